@@ -9,8 +9,8 @@ Look at: the six orders of red, green and blue. In the upper row, from the left,
 `.brg`, which turn the lamps in a circle; below them `.rbg`, `.grb` and `.bgr`, each of which
 exchanges two lamps. The white in the middle, where all three are equal, no order can change.
 
-Try: in `ch02_basics/swizzle_picture.frag` write `c.rrr` for `c.gbr`: one lamp is left of the second
-field, in white: all three components are the first.
+Try: in `ch02_basics/swizzle_picture.frag` write `c.rrr` for `c.gbr`: of the second field one lamp
+remains, and it is white: all three components are the first.
 """
 
 import numpy as np

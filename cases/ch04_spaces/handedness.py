@@ -29,7 +29,7 @@ from ..scenes.laws import projected, renamed
 from ..scenes.panels import cell, panel_pass
 from ..scenes.props import dice, tripod
 
-CAMERA = camera((2.9, 2.5, 3.6), (0.2, 0.32, -0.1), 33.0, 4.0 / 3.0)
+CAMERA = camera((2.9, 2.5, 3.6), (0.28, 0.37, -0.1), 24.0, 4.0 / 3.0)
 NEAR, FAR = 0.1, 100.0
 DICE = dice()
 

@@ -1,12 +1,12 @@
 """Several textures at once: a mask chooses between two others at each place.
 
 A program may read from many texture units, at least 16 in a fragment shader. Each sampler holds a
-unit's number, each unit a texture; they need neither one size nor the same coordinates. Here two
-surfaces repeat several times over the wall, while one mask covers it once and mixes them: a·(1 − m)
-+ b·m, which is the first where the mask is 0 and the second where it is 1.
+unit's number, each unit a texture; the textures need neither the same size nor the same
+coordinates. Here two surfaces repeat several times over the wall, while one mask covers it once and
+mixes them: a·(1 − m) + b·m, which is the first where the mask is 0 and the second where it is 1.
 
-Look at: one wall of bricks and plaster that came off in places. Every brick and every stain returns
-every half a wall, but the hole in the plaster does not: the mask is stretched over all.
+Look at: one wall of bricks and plaster that came off in places. Each brick and each crack comes
+back after half a wall, but the hole in the plaster does not: the mask is stretched over all.
 
 Try: in `ch07_maps/multitexture.frag` write `texture(plaster, TexCoords), 1.0 - weight` for
 `texture(plaster, TexCoords), weight`: bricks and plaster change places.

@@ -9,8 +9,8 @@ shortcut. To be right, decode, weigh, encode. The difference is largest for stro
 for greys. The notes have the mean alone; the weights are this lesson's.
 
 Look at: the average in the left third, luma in the middle one, and the light's own luminance in the
-right one. The blue ring turns almost black in the middle. The coral of the ball (1, .5, .31) is
-.603333 by the average, .592582 by luma and .639316 by its light.
+right one. The blue ring is darkest in the middle one. The coral of the ball (1, .5, .31) is .603333
+by the average, .592582 by luma and .639316 by its light.
 
 Try: in `ch08_techniques/post_grayscale.frag` write `color.g) / 2.0` for `color.g + color.b) / 3.0`:
 blue things turn darker in the left third.

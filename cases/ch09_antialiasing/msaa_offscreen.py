@@ -1,8 +1,8 @@
 """Multisampling off screen: a framebuffer whose attachments have samples, and its resolve.
 
 A multisampled texture can't be filtered; a shader reads it sample by sample (sampler2DMS and
-texelFetch), or glBlitFramebuffer resolves it into a texture of one value a pixel. For colours the
-resolve is the mean of the samples, which the shader works out as well, to compare. Depth has as
+texelFetch), or glBlitFramebuffer resolves it into a texture of one value a pixel. The driver may
+choose how; drivers take the mean of the samples, which the shader works out as well. Depth has as
 many samples as colour: the depth test is made for each, so that the edge where two boxes cut
 through each other is smoothed like an outline.
 

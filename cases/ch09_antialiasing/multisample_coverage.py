@@ -1,10 +1,10 @@
 """Multisampling: a pixel has several samples, and an edge covers some of them.
 
 The rasteriser tests whether each sample, not the pixel's centre, lies in the triangle. The fragment
-shader still runs once a pixel, and its colour goes to the samples that are covered. Resolving takes
-their mean: with k of n samples covered, k/n of the colour. The driver chooses where the samples
-lie; glGetMultisamplefv returns their positions, and so does gl_FragCoord in a fragment shader that
-runs once for each sample.
+shader still runs once a pixel, and its colour goes to the samples that are covered. Resolving is
+left to the driver, and takes their mean: with k of n samples covered, k/n of the colour. The driver
+chooses where the samples lie; glGetMultisamplefv returns their positions, and so does gl_FragCoord
+in a fragment shader that runs once for each sample.
 
 Look at: an edge through twelve by eight pixels, the dark side on its right. Each pixel's four
 samples are drawn where they are: orange if the triangle covers them, blue if not. A pixel's grey is

@@ -4,8 +4,8 @@ Instead of copying an array into a buffer, the program can map the buffer into i
 to it, and unmap it before drawing. glUnmapBuffer answers GL_TRUE when the contents are safe. What
 is mapped is what is bound: with no buffer bound there is nothing to map, and the call raises
 GL_INVALID_OPERATION (0x0502); so does mapping twice, and unmapping what is not mapped. While it is
-mapped, no other call may touch the buffer. A mapping is for reading, for writing or for both; one
-for writing may discard the old contents, so that the driver need not wait.
+mapped, OpenGL may neither read nor write the contents. A mapping is for reading, for writing or for
+both; one for writing may discard the old contents, so that the driver need not wait.
 
 Pixels can be written so, too. While a buffer is bound as GL_PIXEL_UNPACK_BUFFER, glTexImage2D takes
 its image from there, and its last argument is an offset into the buffer. Films, and anything else

@@ -10,11 +10,10 @@ into it, and while one is bound as GL_PIXEL_UNPACK_BUFFER, a texture's image is 
 pointer is then a number of bytes into the buffer.
 
 Look at: the buffer's 42 numbers, after the first piece, and after the second; then what is drawn.
-Were the second piece written to byte 0, positions would be used as colours, and three corners with
-negative coordinates would be black.
+Were the colours' pointer left at byte 0, positions would be used as colours: none has any blue.
 
 Try: in `ch10_buffers/rosette.vert` write `ourColor = abs(aPos)` for `ourColor = aColor`: positions
-are shown as colours, as when the second piece is written to byte 0.
+are shown as colours, without their signs, as when the colours' pointer begins at byte 0.
 """
 
 from dataclasses import replace
