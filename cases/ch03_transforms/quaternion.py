@@ -33,7 +33,7 @@ from ..scenes.glm import slerp_by_glm, turned_by_glm
 from ..scenes.laws import projected, renamed
 from ..scenes.props import aircraft, letter_f
 
-CAMERA = camera((0.3, 1.5, 6.0), (0.0, 0.72, 0.0), 38.0, 3.0 / 2.0)
+CAMERA = camera((0.3, 1.5, 6.0), (0.0, 0.65, 0.0), 32.0, 3.0 / 2.0)
 FRAMES, SMALL = 7, Target(size=(64, 64))
 AIRCRAFT = assets.moved(aircraft(), scale(0.36))
 # An aircraft stands a radius from the middle, ahead along its own nose.

@@ -31,18 +31,18 @@ AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "any": (1, 1, 1)}
 FULL = {"x": 90.0, "y": 90.0, "z": 90.0, "any": 120.0}
 # From where each is seen, and the point in the middle of its part of the picture.
 VIEWS = {
-    "x": ((3.6, 1.9, 2.8), (0.2, 0.3, -0.1)),
-    "y": ((1.8, 4.1, 3.8), (0.2, 0.1, 0.0)),
-    "z": ((1.2, 1.7, 4.5), (-0.1, 0.1, 0.1)),
+    "x": ((3.6, 1.9, 2.8), (0.3, 0.3, 0.1)),
+    "y": ((2.6, 3.4, 3.8), (0.1, 0.25, 0.0)),
+    "z": ((1.2, 1.7, 4.5), (-0.05, 0.25, 0.1)),
     "any": ((2.2, 2.3, 3.9), (0.2, 0.3, 0.3)),
 }
 
 
 def quarter(place, name):
     """One axis: a floor, the axis as an arrow, and the letter in four positions, first pale."""
-    view = camera(*VIEWS[name], 42.0, 4.0 / 3.0)
+    view = camera(*VIEWS[name], 33.0, 4.0 / 3.0)
     unit = normalize([float(a) for a in AXES[name]])
-    for solid in (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026)):
+    for solid in (tile(1.2, 0.4), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026)):
         yield stage.prop(solid, view, cell=place)
     for step in (0.0, 1.0, 2.0, 3.0):
         letter = solids.repainted(letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0))

@@ -38,7 +38,7 @@ BIAS = {"leastBias": 0.002, "mostBias": 0.03}
 STEADY = {"leastBias": 0.012, "mostBias": 0.0}
 LOOK_AT = (0.55, 0.15, -0.5)
 NEAR_BY = camera(EYE, LOOK_AT, 34.0, far=60.0)
-PILLAR = camera(EYE, (0.60, 0.45, -0.63), 50.0, 0.5, far=60.0)
+PILLAR = camera(EYE, (0.60, 0.52, -0.62), 59.0, 0.5, far=60.0)
 # What the camera looks at from the sun, a tenth as wide: with texels so small, hardly a pixel lies
 # between four that disagree, about which OpenGL says nothing.
 _x, _y = (LIGHT_VIEW @ (*LOOK_AT, 1.0))[:2]
