@@ -301,11 +301,11 @@ class BoundTextures(SceneTextures[Any]):
         mapped = isinstance(source, Texture) and source.upload == "map"
         texture = upload(self._device, kind, format, images, mapped=mapped)
         self._stack.callback(texture.release)
-        values, smaller = images.layers[0], tuple(images.smaller)
-        if kind != "2D" or format in DEPTH:
-            # A depth is rounded to its format's codes on the way.
-            size = (values.shape[1], values.shape[0], len(images.layers))
-            values = read_level(texture, format, 0, size)
+        values = images.layers[0] if kind == "2D" else np.stack(images.layers)
+        smaller = tuple(images.smaller)
+        if format in DEPTH:  # rounded to its codes on the way
+            height, width = images.layers[0].shape[:2]
+            values = read_level(texture, format, 0, (width, height, len(images.layers)))
         if source.mipmaps is True:
             generate_levels(texture)
         if source.mipmaps is True or (smaller and format in DEPTH):
