@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, Pass, State, Stencil, Target, any_order, formula, measure
+from shaderlab import Case, Pass, State, Stencil, Target, any_order, formula, gl_calls, measure
 from shaderlab.reference.transforms import clip_position, scale, translate, world_normal
 
 from ..scenes import painted_solids as solids, stage
@@ -68,6 +68,8 @@ def wrong(outline, objects, larger):
 
 
 SETS = {"outline": "judged.outline", "objects": "objects.outline", "larger": "larger.outline"}
+KEPT = dict.fromkeys(("sfail", "dpfail"), "GL_KEEP")
+ONLY_SEEN = {**KEPT, "dppass": "GL_REPLACE", "face": "GL_FRONT", "times": 2, "pass_name": "judged"}
 # No formula's: the sets above are not all empty.
 SOME = {"reads": {"outline": "judged.outline"}, "at_least": 100}
 
@@ -101,6 +103,7 @@ case = Case(
         formula("judged.outline", lambda: 1.0, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),
+        gl_calls("glStencilOpSeparate", **ONLY_SEEN, name="what is hidden leaves no mark"),
         measure("pixels of the outline", lambda outline: (outline == 1.0).sum(), **SOME),
     ],
 )

@@ -25,7 +25,7 @@ from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.post_processing import BLUR, EDGES, EMBOSS, SHARPEN, convolved, filtered
 
 from ..scenes.figures import figures, results
-from ..scenes.panels import WHOLE, square
+from ..scenes.panels import WHOLE, rectangle
 from ..scenes.still_life import SCENE, photograph_checks, photographed, post_processed
 
 INVERTING = (2.0, 2.0, 2.0, 2.0, -15.0, 2.0, 2.0, 2.0, 2.0)
@@ -41,9 +41,9 @@ STEP = Texture(image=np.array([[(level,) * 3 + (1.0,) for level in (0.0, 0.0, 1.
 
 # Noise, read 1/200 of a texel from each texel's lower left corner: a neighbour that is not exactly
 # one texel away is another one.
-SIDE = 32
-NOISE = Texture(image=np.random.default_rng(8).uniform(0.0, 1.0, (SIDE, SIDE, 4)))
-NEAR_A_CORNER = {"TexCoords": square(-0.495 / SIDE, 1.0 - 0.495 / SIDE)}
+WIDE, HIGH = 32, 24
+NOISE = Texture(image=np.random.default_rng(8).uniform(0.0, 1.0, (HIGH, WIDE, 4)))
+NEAR_A_CORNER = {"TexCoords": rectangle((-0.495 / WIDE, -0.495 / HIGH), (1.0, 1.0))}
 
 
 def around(screenTexture, TexCoords, kernel):
@@ -87,7 +87,7 @@ case = Case(
     passes=(
         photographed(),
         sharpened("main", SCENE),
-        sharpened("corners", NOISE, (SIDE, SIDE), NEAR_A_CORNER),
+        sharpened("corners", NOISE, (WIDE, HIGH), NEAR_A_CORNER),
         sharpened("step", STEP, (4, 4)),
     ),
     picture="main.FragColor",

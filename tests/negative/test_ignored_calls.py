@@ -282,3 +282,37 @@ def test_a_clear_that_does_nothing_is_noticed(
     with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(next(judged_only(case_id).scenes()))
     assert record.status == "fail", record.message
+
+
+@pytest.mark.parametrize("case_id", ["cubemap", "environment-map", "texture-wrap", "image-file"])
+def test_an_upload_of_other_texels_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, case_id: str
+) -> None:
+    """Of six faces, of layers, and of a plane: each is mirrored on its way to the driver."""
+    upload = textures.upload
+
+    def mirrored(device: Any, kind: str, format: str, images: Any, **how: Any) -> Any:
+        layers = [image[:, ::-1] for image in images.layers]
+        return upload(device, kind, format, replace(images, layers=layers), **how)
+
+    monkeypatch.setattr(textures, "upload", mirrored)
+    with SceneRunner(CALLS_ONLY) as lab:
+        record = lab.run(next(judged_only(case_id).scenes()))
+    assert record.status == "fail", record.message
+
+
+def test_a_mark_of_what_is_hidden_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the lesson's scene all that hides a box has a mark of its own."""
+    apply = drawing.apply_state
+
+    def marking(state: Any, *rest: Any) -> Any:
+        stencil = state.stencil
+        marked = stencil and replace(stencil, depth_fail=stencil.depth_pass)
+        return apply(replace(state, stencil=marked), *rest)
+
+    monkeypatch.setattr(drawing, "apply_state", marking)
+    with SceneRunner(CALLS_ONLY) as lab:
+        record = lab.run(next(judged_only("stencil-outline").scenes()))
+    assert [o.name for o in record.expectations if o.status != "pass"] == [
+        "what is hidden leaves no mark"
+    ]
