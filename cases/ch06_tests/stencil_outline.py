@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, Pass, State, Stencil, Target, any_order, formula, gl_calls, measure
+from shaderlab import Case, Depth, Pass, State, Stencil, Target, any_order, exact, formula, measure
 from shaderlab.reference.transforms import clip_position, scale, translate, world_normal
 
 from ..scenes import painted_solids as solids, stage
@@ -26,19 +26,18 @@ from ..scenes.cameras import camera, turned
 from ..scenes.draws import twins
 from ..scenes.figures import each_draw
 from ..scenes.laws import opaque, unchanged
-from ..scenes.panels import panel_pass, picture
+from ..scenes.panels import panel, picture
 from ..scenes.props import tile
 from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((1.6, 2.1, 4.6), (0.05, 0.25, 0.0), 38.0, 16.0 / 9.0)
-GROWN = scale((1.1, 1.1, 1.1))
+GROWN, COLOR = scale((1.1, 1.1, 1.1)), opaque(unchanged("color"))
 PLACES = translate((-0.75, 0.55, -0.55)), translate((0.55, 0.55, 0.35))
 MODELS = PLACES[0] @ turned(24.0), PLACES[1] @ turned(-18.0)
 BOX = solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
 BOXES = [solids.painted(BOX, color) for color in ((0.10, 0.36, 0.42), (0.36, 0.16, 0.30))]
 FLOOR = stage.prop(tile(2.2, 0.5), CAMERA)
 JUDGED, ORANGE = (96, 54), (0.98, 0.62, 0.12)
-COLOR = opaque(unchanged("color"))
 
 
 def single(k, model, state):
@@ -68,8 +67,11 @@ def wrong(outline, objects, larger):
 
 
 SETS = {"outline": "judged.outline", "objects": "objects.outline", "larger": "larger.outline"}
-KEPT = dict.fromkeys(("sfail", "dpfail"), "GL_KEEP")
-ONLY_SEEN = {**KEPT, "dppass": "GL_REPLACE", "face": "GL_FRONT", "times": 2, "pass_name": "judged"}
+# What hides all, what is hidden and leaves no mark, and the outline's colour over all of it.
+SHOWN = {"depth": Depth(func="always")}
+HIDDEN = {"depth": Depth(), "depth_range": (0.8, 0.8), "stencil": MARK}
+STATES = {(0, 0, 0): SHOWN, (0, 0, 1): HIDDEN, ORANGE: {"stencil": AROUND.stencil}}
+FILLED = [panel("ch06_tests/single_color.frag", {}, {"color": c}, **s) for c, s in STATES.items()]
 # No formula's: the sets above are not all empty.
 SOME = {"reads": {"outline": "judged.outline"}, "at_least": 100}
 
@@ -85,7 +87,7 @@ case = Case(
             reordered=[*MARKED[::-1], FLOOR, *OUTLINED[::-1]],
         ),
         *twins(picture([FLOOR, *MARKED], JUDGED, "boxes", depth="depth24_stencil8")),
-        panel_pass("filled", "ch06_tests/single_color.frag", {}, {"color": ORANGE}, size=(16, 16)),
+        picture(FILLED, (16, 16), "filled", depth="depth24_stencil8"),
         silhouette("objects", MODELS),
         silhouette("larger", [model @ GROWN for model in MODELS]),
     ),
@@ -96,14 +98,13 @@ case = Case(
         *stage.prop_checks(),
         *each_draw("judged.FragColor", studio_color, {1: "box 1", 2: "box 2"}),
         *each_draw("judged.FragColor", COLOR, {3: "outline 1", 4: "outline 2"}),
-        formula("filled.FragColor", COLOR, name="the outlines' colour at each pixel"),
-        formula("filled.outline", lambda: 1.0, name="and each is marked"),
+        exact("filled.FragColor", np.float32((*ORANGE, 1.0)), name="what is hidden has no mark"),
+        exact("filled.outline", 1.0, name="and each is marked"),
         *each_draw("judged.Normal", world_normal, {3: "normals 1", 4: "normals 2"}),
         *each_draw("judged.Color", handed_on, {3: "colours 1", 4: "colours 2"}),
         formula("judged.outline", lambda: 1.0, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),
-        gl_calls("glStencilOpSeparate", **ONLY_SEEN, name="what is hidden leaves no mark"),
         measure("pixels of the outline", lambda outline: (outline == 1.0).sum(), **SOME),
     ],
 )
