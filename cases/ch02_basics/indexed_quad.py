@@ -1,7 +1,7 @@
 """Four vertices, two triangles: an index buffer lets triangles share corners.
 
 The indices 0, 1, 3 and 1, 2, 3 name each triangle's corners. The quad looks exactly as if all six
-corners had been sent, but the vertex shader runs on four only.
+corners had been sent, but the vertex shader need run on four only.
 
 Look at: the shared edge, which has neither a gap nor a pixel drawn twice: 129600 of 720 × 720
 pixels are a quarter of the window. And at the order of the corners: both triangles run clockwise,

@@ -5,8 +5,8 @@ mixes the four whose centres are around it, by how near they are: along s first,
 centre of texel i of n is at (i + ½)/n, so half a texel is subtracted before the weights are
 computed. The hardware decides how precise the weights are: 8 bits are usual, and the band is as
 wide as that. A texture has two filters: GL_TEXTURE_MAG_FILTER where a pixel covers less than a
-texel, and GL_TEXTURE_MIN_FILTER where it covers more. Here each texture has the filter that the
-other lacks.
+texel, and GL_TEXTURE_MIN_FILTER where it covers more. Here each texture minifies with the word that
+it does not magnify with.
 
 Look at: the same small fruit, of 12 × 12 texels, with NEAREST on the left and LINEAR on the right.
 In the row below are five texels of one line: steps, and straight ramps from centre to centre that

@@ -3,8 +3,8 @@
 A vertex array object stores what the attribute calls set: which buffer each attribute is read from,
 at which stride and offset, and which attributes are enabled. Every draw uses the one that is bound.
 In the compatibility profile there is one by default, number 0; in the core profile number 0 is not
-an object, and a draw call only raises GL_INVALID_OPERATION (0x0502) and writes no pixel. Only a
-call of glGetError tells why the window is empty.
+an object, and a draw call only raises GL_INVALID_OPERATION (0x0502) and writes no pixel. Only
+glGetError, or a debug callback, tells why the window is empty.
 
 Look at: the triangle, drawn with its vertex array bound. The same draw without one is the other
 pass, "nothing bound": its window is as it was cleared.

@@ -7,8 +7,8 @@ other. Straight up, where Euler's yaw and roll fall together, a quaternion is as
 
 Look at: the aircraft, fanned out around the ball from the first orientation on the left to the last
 on the right. Between neighbours there are 25° each, that is slerp's even speed. The middle one has
-its nose straight up, the pose that locks a gimbal, and nothing happens there: slerp knows no
-angles.
+its nose straight up, the pose that locks a gimbal, and nothing happens there: slerp knows nothing
+of yaw and roll.
 
 Try: in `ch03_transforms/quaternion.vert` write `normalize(mix(a, b, t))` for `(sin((1.0 - t) *
 angle) * a + sin(t * angle) * b) / sin(angle)`: the path is the same, but the gaps at its ends

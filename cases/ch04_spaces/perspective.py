@@ -6,8 +6,8 @@ numbers, A and B in A + B/z: they send the near plane to −1 and the far plane 
 nearly all depths are spent on what is near.
 
 Look at: the rails. They are parallel and meet on the horizon, in the point that all lines along −z
-share; the posts shrink as one over their distance. Halfway to a post twice as far there is no
-halfway in depth: at a distance of 1, one hundredth of the way, 90 % of the depths are used up.
+share; the posts shrink as one over their distance. Half the distance is not half the depth: at a
+distance of 1, one hundredth of the way, 90 % of the depths are used up.
 
 Try: in `ch04_spaces/perspective.vert` write `tan(fovy / 4.0)` for `tan(fovy / 2.0)`: half the
 angle, like a longer lens: all is larger, and the rails meet in the same point.

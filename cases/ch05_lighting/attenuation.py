@@ -1,8 +1,8 @@
 """Point light attenuation: the light fades as 1 / (Kc + Kl·d + Kq·d²).
 
-The constant term keeps the factor at 1 next to the lamp, the linear term dominates nearby, and from
-d = Kl/Kq on the quadratic term dominates, as it does in nature. Solved for d, the same law says how
-far a share of the light reaches: that is the radius of a light volume.
+The constant term keeps the factor at 1 next to the lamp. Of the other two the linear one is the
+larger nearby, and the quadratic one, which is nature's, from d = Kl/Kq on. Solved for d, the same
+law says how far a share of the light reaches: that is the radius of a light volume.
 
 Look at: the picture, a lamp over a floor whose fields are a tenth of the table's d wide. Inside the
 amber ring there is more than 5 % of the light, inside the blue ring more than 1 %. The thin white

@@ -2,9 +2,9 @@
 
 Three questions decide what such a surface reflects. D: how many of its mirrors face halfway between
 light and viewer, all of them on a polished surface, few in any one direction on a rough one. G: how
-many of those block each other. F: how much one mirror reflects, 4 % of the light straight on for
-anything that is not a metal, and everything at a grazing angle. The product over 4 (n·v)(n·l) is
-the specular part; what was not reflected is refracted, and comes back as the diffuse part unless
+many of those block each other. F: how much one mirror reflects, about 4 % of the light straight on
+for anything that is not a metal, and everything at a grazing angle. The product over 4 (n·v)(n·l)
+is the specular part; what was not reflected is refracted, and comes back as the diffuse part unless
 the material is a metal.
 
 Look at: the grid, roughness from 0.15 on the left to 1 on the right, from plastic below to metal

@@ -5,7 +5,7 @@ up to 1 keep an even surface as bright as it was (sharpen: 5 − 4, blur: 16 / 1
 kernel add up to 0, so that even surfaces go black and only changes remain. The sum is not
 everything: a kernel of eight times 2 and −15 adds up to 1 as well, but its middle is negative, and
 it answers a step from 0 to 1 with 6 and −5. It inverts edges; a kernel that sharpens answers with
-−1 and 2, darker before the step and brighter behind it. What is asked for beyond the edge of the
+−1 and 2, darker before the step and brighter after it. What is asked for beyond the edge of the
 picture must be decided: here its last row and column are repeated. The notes name no kernel; the
 five here are common ones.
 
@@ -29,7 +29,7 @@ from ..scenes.panels import WHOLE, rectangle
 from ..scenes.still_life import SCENE, photograph_checks, photographed, post_processed
 
 INVERTING = (2.0, 2.0, 2.0, 2.0, -15.0, 2.0, 2.0, 2.0, 2.0)
-# Weights; their sum; what is left of a step from 0 to 1, before it and behind it.
+# Weights; their sum; what is left of a step from 0 to 1, before it and after it.
 KERNELS = {
     "sharpen": (SHARPEN, 1.0, -1.0, 2.0),
     "eight times 2 around −15": (INVERTING, 1.0, 6.0, -5.0),

@@ -7,7 +7,7 @@ deletes what the constructor created: a deleted name is free, a bound buffer is 
 program in use is deleted once another one is used.
 
 Look at: sixteen clown fish of one mesh, each drawn with an offset and a size of its own. The vertex
-array is described once: stride and offsets are the same behind the last draw as behind the first.
+array is described once: stride and offsets are the same after the last draw as after the first.
 
 Try: in `ch10_buffers/mesh_class.vert` write `size * (aPos.xy + offset)` for `size * aPos.xy +
 offset`: the places are scaled as well, and the shoal crowds together.
