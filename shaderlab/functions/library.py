@@ -12,11 +12,10 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from shaderlab.compiler.shader_files import EXTENSIONS
-from shaderlab.compiler.sources import Shaders, Source, with_version
+from shaderlab.compiler.sources import Shaders, Source, find_definers, with_version
 from shaderlab.engine.judging.laws import Law
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import (
@@ -220,7 +219,7 @@ class Function:
             self._note(call)
             return self.evaluate(call) if call.signature.outputs else None
         except ShaderlabError as error:
-            raise error.with_traceback(_short_traceback(error)) from error.__cause__
+            raise self._explain(error) from error.__cause__
 
     def check(
         self,
@@ -266,7 +265,7 @@ class Function:
                     )
                 outcomes = checks.judge_function(self, law, call, curves)
         except ShaderlabError as error:
-            raise error.with_traceback(_short_traceback(error)) from error.__cause__
+            raise self._explain(error) from error.__cause__
         found = self._note(call)
         if found is not None:
             found.curves += curves
@@ -298,7 +297,7 @@ class Function:
             check_arguments(Function.prove, law=law)
             outcome = prove_law(self, law, ranges)
         except ShaderlabError as error:
-            raise error.with_traceback(_short_traceback(error)) from error.__cause__
+            raise self._explain(error) from error.__cause__
         if (found := current_notes()) is not None:
             found.outcomes.append(replace(outcome, line=sys._getframe(1).f_lineno))
         if outcome.status != "pass":
@@ -315,6 +314,15 @@ class Function:
             known.called_outside.add(self.source.path)
         return found
 
+    def _explain(self, error: ShaderlabError) -> ShaderlabError:
+        """The error without the way that it took through the lab, which is no matter of a test's;
+        about what the file lacks, with the files that have it."""
+        folder = Path(self.folder)
+        folders = load_settings(folder).shader_folders(folder)
+        error.remedy = error.remedy or find_definers(error.message, self.source, folders)
+        traceback = error.__traceback__ if os.environ.get("SHADERLAB_DEBUG") else None
+        return error.with_traceback(traceback)
+
     def place_of(self, signature: Signature) -> tuple[str, int]:
         return self.source.place(signature.line)
 
@@ -326,11 +334,6 @@ class Function:
         return evaluate(self.source, self.folder, call)
 
 
-def _short_traceback(error: ShaderlabError) -> TracebackType | None:
-    """The way that an error took through the lab, which is no matter of a test's."""
-    return error.__traceback__ if os.environ.get("SHADERLAB_DEBUG") else None
-
-
 def load(
     shader: str | os.PathLike[str], *, defines: Mapping[str, str] | None = None, **given: Any
 ) -> Library:
@@ -339,7 +342,7 @@ def load(
     Args:
         shader: the file's path, found where the calling file's shaders are
             (`shaderlab.engine.settings.Settings.shader_folders`), or in the working folder; or GLSL
-            itself, which has a brace.
+            itself, which has a brace or several lines.
         defines: macros to put after its `#version`.
         given: values of uniforms and other globals, where a call has none.
 
@@ -349,7 +352,7 @@ def load(
         CallError: the file does not read one of the macros.
     """
     check_arguments(load, shader=shader, defines=defines)
-    if isinstance(shader, str) and "{" in shader:
+    if isinstance(shader, str) and re.search("[{\n]", shader):
         folders = _folders(sys._getframe(1).f_globals)
         source, folder = Shaders(folders, defines=defines).from_text(shader, "fragment", "text"), ""
     else:

@@ -14,7 +14,7 @@ from shaderlab.analysis.interpreter import load
 from shaderlab.cli import cli
 from shaderlab.compiler import Shaders
 from shaderlab.compiler.compile import compile_program
-from shaderlab.errors import CallError
+from shaderlab.errors import CallError, ShaderError
 
 ES = "#version 300 es\nprecision highp float;\n"
 READ = {
@@ -237,3 +237,39 @@ def test_functions_of_a_later_stage_are_read_without_a_version(tmp_path: Path, s
     file = tmp_path / f"part.{suffix}"
     file.write_text("float half_of(float x) { return 0.5 * x; }")
     assert glsl.load(file).half_of(3.0) == 1.5
+
+
+def test_what_a_file_lacks_is_looked_for_in_its_library(tmp_path: Path) -> None:
+    texts = {
+        "pyproject.toml": '[tool.shaderlab]\nshaders = ["."]\n',
+        "math/const.glsl": "#define TAU 6.28\n",
+        "math/types.glsl": "struct Ray { vec3 at; vec3 along; };\n",
+        "math/half.glsl": "float half_of(float x)\n{\n    return 0.5 * x;\n}\n",
+        "turn.glsl": "float turn(float x) { return half_of(x) * TAU; }\n",
+        "ray.glsl": "float along(Ray ray) { return ray.along.x; }\n",
+        "own.glsl": "float own(float x) { return x; }\nfloat two(float x) { return own(x, x); }\n",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    with pytest.raises(CallError, match=r"Ray is defined in .*math/types.glsl: include it first"):
+        glsl.load(tmp_path / "ray.glsl").along(1.0)
+    with pytest.raises(ShaderError) as refused:
+        glsl.load(tmp_path / "own.glsl").two(1.0)
+    assert refused.value.remedy is None
+    text = f'#include "math/const.glsl"\n#include "turn.glsl"\n{texts["math/half.glsl"]}'
+    (tmp_path / "whole.glsl").write_text(text.replace("half_of(float x)\n{", "quarter(float x) {"))
+    with pytest.raises(ShaderError, match=r"half_of is defined in .*math/half.glsl"):
+        glsl.load(tmp_path / "whole.glsl").turn(1.0)
+    (tmp_path / "math/more.glsl").write_text("#define TAU 6.28318\n")
+    (tmp_path / "turn.glsl").write_text("float turn(float x) { return x * TAU; }\n")
+    with pytest.raises(ShaderError, match=r"const.glsl or .*more.glsl: include it first"):
+        glsl.load(tmp_path / "turn.glsl").turn(1.0)
+
+
+def test_a_text_may_only_include(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "const.glsl").write_text("#define TAU 6.25\n")
+    (tmp_path / "turn.glsl").write_text("float turn(float x) { return x * TAU; }\n")
+    both = '#include "const.glsl"\n#include "turn.glsl"\n'
+    assert glsl.load(both).turn(2.0) == 12.5
