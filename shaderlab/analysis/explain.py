@@ -43,12 +43,8 @@ def explain(
 
     With `if_outside` the driver draws the shader's statements only where an output of its leaves
     the band there: else it does what the shader says, and float32 arithmetic shows that as well.
-
-    Raises:
-        UsageError: the draw is not seen there.
-        NotInterpretedError: the shader can't be interpreted.
-        DriverError, CaseError: its inputs can't be captured.
-    """
+    Raises UsageError: the draw is not seen there; NotInterpretedError: the shader can't be
+    interpreted; DriverError, CaseError: its inputs can't be captured."""
     given = sample_fragments(evaluation, key, among=np.array([pixel]))
     assert given.pixels is not None
     rows = np.flatnonzero((given.pixels == pixel).all(axis=-1))
@@ -214,15 +210,10 @@ def normalize_name(name: str) -> str:
 def reference_locals(
     reference: Callable[..., Any], inputs: Inputs
 ) -> tuple[Mapping[str, list[Any]], Any]:
-    """What the functions of a reference, and those that it calls, assign and return, in float64.
-
-    Returns:
-        Values by normalized name, those of a function's result by "name()"; and the reference's
-        own result. Its parameters are left out: they are what the shader gets.
-
-    Raises:
-        FormulaError: the reference fails.
-    """
+    """What the functions of a reference, and those that it calls, assign and return, in float64:
+    values by normalized name, those of a function's result by "name()"; and the reference's own
+    result. Its parameters are left out: they are what the shader gets. Raises FormulaError: the
+    reference fails."""
     found: dict[str, list[Any]] = {}
 
     def note(frame: FrameType, event: str, result: Any) -> None:

@@ -411,10 +411,7 @@ def remove_old_runs(parent: Path, keep: int) -> int:
     """Remove all but the last `keep` of the runs that the lab named by their time; 0 keeps all.
 
     Folders of other names, those that were named on a command line, links, runs that are going on
-    and folders without a journal stay, and don't count.
-
-    Returns:
-        How many were removed.
+    and folders without a journal stay, and don't count. Returns how many were removed.
     """
     if not keep:
         return 0

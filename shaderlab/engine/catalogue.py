@@ -73,12 +73,9 @@ def is_case_file(path: Path) -> bool:
 
 
 def inspect_file(path: Path) -> str | None:
-    """Tell what a file is, without importing it; never raises.
-
-    Returns:
-        "" for a case file, also for one with a mistake, which loading it reports; the reason why a
-        file is none that takes `Case` from shaderlab; None for all others.
-    """
+    """Tell what a file is, without importing it; never raises: "" for a case file, also for one
+    with a mistake, which loading it reports; the reason why a file is none that takes `Case` from
+    shaderlab; None for all others."""
     if path.suffix != ".py" or path.name.startswith("."):
         return None
     try:

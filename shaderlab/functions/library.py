@@ -207,12 +207,8 @@ class Function:
         return f"<{'; '.join(map(str, self.signatures))} of {file}:{line}>"
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
-        """The function's results for its arguments; see the class.
-
-        Raises:
-            CallError: the arguments fit no overload, or the call hangs or crashes.
-            ShaderError: the function does not compile.
-        """
+        """The function's results for its arguments; see the class. Raises CallError: the arguments
+        fit no overload, or the call hangs or crashes; ShaderError: it does not compile."""
         __tracebackhide__ = True
         try:
             call = self.bind(*arguments, **named)
@@ -385,11 +381,8 @@ class Library:
         return self[name]
 
     def __getitem__(self, name: str) -> Function:
-        """The function of this name, also where Python has another use for it.
-
-        Raises:
-            NoFunctionError: the file has no such function; it is a KeyError, too.
-        """
+        """The function of this name, also where Python has another use for it. Raises
+        NoFunctionError, which is a KeyError, too: the file has none."""
         check_arguments(Library.__getitem__, name=name)
         found = self._functions.get(name)
         if found is None:
