@@ -313,9 +313,9 @@ class Function:
     def _explain(self, error: ShaderlabError) -> ShaderlabError:
         """The error without the way that it took through the lab, which is no matter of a test's;
         about what the file lacks, with the files that have it."""
-        folder = Path(self.folder)
-        folders = load_settings(folder).shader_folders(folder)
-        error.remedy = error.remedy or find_definers(error.message, self.source, folders)
+        if error.remedy is None:
+            folders = _shader_folders(Path(self.folder))
+            error.remedy = find_definers(error.message, self.source, folders)
         traceback = error.__traceback__ if os.environ.get("SHADERLAB_DEBUG") else None
         return error.with_traceback(traceback)
 
@@ -429,7 +429,11 @@ class Library:
 def _folders(calling: Mapping[str, Any]) -> list[Path]:
     """Where shaders are that a module with these globals names."""
     beside = Path(calling["__file__"]).parent if calling.get("__file__") else None
-    return [*(load_settings(beside).shader_folders(beside) if beside else ()), Path.cwd()]
+    return [*(_shader_folders(beside) if beside else ()), Path.cwd()]
+
+
+def _shader_folders(folder: Path) -> Sequence[Path]:
+    return load_settings(folder).shader_folders(folder)
 
 
 def _find(path: Path, tried: Sequence[Path]) -> Path:
@@ -452,7 +456,7 @@ def _require_macros_read(source: Source, names: Iterable[str]) -> None:
 
 def _source(path: Path, defines: Mapping[str, str] | None) -> Source:
     """The file with its includes, which are searched for as a case's are."""
-    folders = load_settings(path.parent).shader_folders(path.parent)
+    folders = _shader_folders(path.parent)
     outermost = min((f for f in folders if path.is_relative_to(f)), key=lambda f: len(f.parts))
     shaders = Shaders([outermost, *folders], defines=defines)
     stage = EXTENSIONS.get(path.suffix, "fragment")
