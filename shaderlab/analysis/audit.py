@@ -19,8 +19,8 @@ import numpy as np
 from shaderlab.model.frame import Array
 
 from .answer import format_inputs
-from .batches import InputBatch, merge_batches, run_batch
-from .checks import INDEX, OVERFLOW, Place, Watcher
+from .batches import InputBatch, asks_for_neighbours, merge_batches, mix_batches, run_batch
+from .checks import INDEX, OVERFLOW, Place, WatchedInstruction, Watcher
 from .hazards import Audit as Audit, Claim, Hazard as Hazard, Plan as Plan, Spread
 from .inputs import (
     Input,
@@ -84,22 +84,21 @@ def find_origins(
     return found
 
 
-def find_counterexamples(
-    program: Program, batch: InputBatch, origins: Array | int = RANDOM
-) -> dict[Place, Point]:
-    """The first invocation at which each instruction goes wrong; a random one if there is one."""
-    watcher = Watcher(batch.count)
+def find_failing(
+    program: Program, batch: InputBatch, *, made_up: bool = False
+) -> dict[Place, WatchedInstruction]:
+    """The instructions that go wrong in a batch."""
+    watcher = Watcher(batch.count, made_up=made_up)
     run_batch(program, batch, watch=watcher)
-    found = {place: one for place, one in watcher.found.items() if one.bad.any()}
-    rows = {place: np.where(one.bad, origins, np.inf).argmin() for place, one in found.items()}
-    return {place: Point(batch, int(rows[place]), one) for place, one in found.items()}
+    return {place: one for place, one in watcher.found.items() if one.bad.any()}
 
 
 def search_inputs(
     program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], plan: Plan
-) -> tuple[dict[Place, Point], InputBatch, Proof]:
+) -> tuple[dict[Place, Point], InputBatch, InputBatch, Proof]:
     """Try to make every instruction of a program go wrong: on random invocations and special ones,
-    then in boxes in which it may. The counterexamples, those invocations, and the boxes."""
+    then in boxes in which it may. The counterexamples, those invocations, ones with the program's
+    own numbers, and the boxes."""
     batch = first_batch(inputs, domains, plan.count)
     proof = Proof(
         program, inputs, domains,
@@ -111,16 +110,15 @@ def search_inputs(
     # What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
     # conditions that nothing else meets, and where 0 is wrong. An index is not taken beyond its
     # range.
-    domains = {} if plan.prove else add_constants(domains, inputs, [program])
+    tried, domains = batch, {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
         tried = first_batch(inputs, domains, plan.count)
-        others = find_counterexamples(program, tried, find_origins(tried, inputs, domains))
         found |= {
-            place: one
-            for place, one in others.items()
+            place: Point(tried, int(one.bad.argmax()), one)
+            for place, one in find_failing(program, tried, made_up=True).items()
             if place not in found and (place not in proof.reached or "0" in place.kind)
         }
-    return found, batch, proof
+    return found, batch, tried, proof
 
 
 _ONLY_AT_0 = "; only if an input is 0"
@@ -139,9 +137,11 @@ def audit_program(
     if captured:
         batches = merge_batches(captured, program, _MAX_CAPTURED)
         examples = [
-            pair for batch in batches for pair in find_counterexamples(program, batch).items()
+            (place, Point(batch, 0, one))
+            for batch in batches
+            for place, one in find_failing(program, batch).items()
         ]
-        tried = sum(batch.count for batch in batches)
+        tried, others = sum(batch.count for batch in batches), batches[0]
         words = dict.fromkeys(inputs, "as in the case")
         if plan.prove:
             proof = prove_between_draws(program, inputs, captured)
@@ -149,11 +149,11 @@ def audit_program(
             words = {n: f"{word} (in the case)" for n, word in proof.space.in_words().items()}
     else:
         domains = domains_of(inputs, [program], plan.ranges)
-        found, first, proof = search_inputs(program, inputs, domains, plan)
+        found, first, others, proof = search_inputs(program, inputs, domains, plan)
         examples, tried = list(found.items()), proof.tried
         batches = [first.part(np.arange(plan.count))]
         words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
-    hazards = [h for pair in examples for h in _hazards(program, *pair, inputs, domains)]
+    hazards = [h for pair in examples for h in _hazards(program, *pair, inputs, domains, others)]
     claims: list[Claim] = []
     if plan.prove and captured:
         claims = [*proof.claims(), *proof.refuted_claims()]
@@ -203,7 +203,8 @@ def _claims(
             yield Claim(file=file, line=line, what=f"no {place.kind}", status="open", note=note)
     for place, (batch, row, watched) in proof.points.items():
         if watched is None and not hazards:
-            values = find_written_outputs(program, *batch.alone(row, program))
+            some, at = batch.alone(row, program)
+            values = {n: v[at] for n, v in find_written_outputs(program, some).items()}
             own = {n: tuple(map(float, v)) for n, v in values.items() if not np.isfinite(v).all()}
             inputs, words = batch.example(row, batch.each), f"refuted: {place.kind}"
             hazards.append(
@@ -220,25 +221,53 @@ def _hazards(
     point: Point,
     inputs: Mapping[str, Input],
     domains: Mapping[str, InputDomain] | None,
+    others: InputBatch,
 ) -> Iterator[Hazard]:
     """The hazard about an instruction; none where no output depends on its result. Of inputs that
     were searched, with the `domains`, it says what is special about them."""
-    (batch, row, one), origin = point, RANDOM
-    outputs = find_dependents(program, batch, row, place)
-    if not outputs and domains is not None:  # a texture may have mipmaps
-        texels = {name: add_mipmaps(own) for name, own in batch.bindings.textures.items()}
-        batch = replace(batch, bindings=replace(batch.bindings, textures=texels))
-        outputs = find_dependents(program, batch, row, place)
-    if one is None or (not outputs and place.kind != INDEX.kind):
+    for batch, one in _alternatives(program, place, point, domains, others):
+        origins = np.full(batch.count, RANDOM)
+        if domains is not None:
+            origins = find_origins(batch, inputs, domains)
+        rows = np.flatnonzero(one.bad)
+        rows = rows[np.argsort(origins[rows], kind="stable")]
+        row, outputs = find_dependents(program, batch, rows, place)
+        if outputs or place.kind == INDEX.kind:
+            break
+    else:
         return
-    if domains is not None:
-        origin = find_origins(batch.part(np.array([row])), inputs, domains)[0]
-    words = one.check.words(*(one.operands.get(row) or next(iter(one.operands.values()), ())))
-    if origin != RANDOM:
-        words += "; only if two inputs are equal" if origin == EQUAL else _ONLY_AT_0
+    some, own = batch.alone(row, program)
+    one = find_failing(program, some, made_up=domains is not None)[place]
+    words = one.check.words(*(one.operands.get(own) or next(iter(one.operands.values()))))
+    if origins[row] != RANDOM:
+        words += "; only if two inputs are equal" if origins[row] == EQUAL else _ONLY_AT_0
     words = words if words.startswith(place.kind) else f"{place.kind}: {words}"
-    found, evident = (place, one.at, batch, row), bool(origin == RANDOM)
+    found, evident = (place, one.at, batch, row), bool(origins[row] == RANDOM)
     yield hazard_at(program, inputs, found, outputs, words, evident=evident)
+
+
+def _alternatives(
+    program: Program,
+    place: Place,
+    point: Point,
+    domains: Mapping[str, InputDomain] | None,
+    others: InputBatch,
+) -> Iterator[tuple[InputBatch, WatchedInstruction]]:
+    """Invocations at which an instruction goes wrong; of made-up inputs also with mipmaps, and such
+    whose inputs are the point's or those of others."""
+    batch, row, one = point
+    if one is None:
+        return
+    yield batch, one
+    if domains is None:
+        return
+    texels = {name: add_mipmaps(own) for name, own in batch.bindings.textures.items()}
+    yield replace(batch, bindings=replace(batch.bindings, textures=texels)), one
+    if not asks_for_neighbours(program, others.bindings):
+        mixed = mix_batches(batch, row, others)
+        found = find_failing(program, mixed, made_up=True).get(place)
+        if found is not None:
+            yield mixed, found
 
 
 def _deduplicate(hazards: Sequence[Hazard]) -> list[Hazard]:

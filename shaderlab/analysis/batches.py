@@ -156,6 +156,18 @@ def join_batches(parts: Sequence[InputBatch]) -> InputBatch:
     return InputBatch(each, replace(parts[0].bindings, uniforms={}), count)
 
 
+def mix_batches(batch: InputBatch, row: int, others: InputBatch) -> InputBatch:
+    """The `others`, in which each input may be that of a row of a batch instead."""
+    each, rng = dict(others.each), np.random.default_rng(5)
+    for name, values in each.items():
+        if name in batch.each and len(values) == others.count:
+            own, keep = batch.each[name], rng.random(len(values)) < 0.5
+            each[name] = np.where(
+                keep.reshape(-1, *[1] * (values.ndim - 1)), values, own[row if len(own) > 1 else 0]
+            )
+    return replace(others, each=each)
+
+
 def fragment_batch(captured: Fragments, bindings: Bindings, most: int) -> InputBatch:
     """What a draw gave its fragment shader, those pixels too that it discards."""
     captured = captured.undiscarded or captured

@@ -14,6 +14,7 @@ from shaderlab.model.frame import Array
 
 from .interpreter.program import Instruction
 from .interpreter.running import Run
+from .interpreter.textures import fetch_place
 from .interpreter.values import Flags, PathState, Pointer
 
 _ACCESS = (Op.AccessChain, Op.InBoundsAccessChain)
@@ -53,10 +54,11 @@ class WatchedInstruction:
 
 
 class Watcher:
-    """A `Watch` that looks at each instruction: `found` has what may go wrong, by place."""
+    """A `Watch` that looks at each instruction: `found` has what may go wrong, by place. Textures
+    that are `made_up` are as large as can be: nothing is known of their size."""
 
-    def __init__(self, count: int) -> None:
-        self.count = count
+    def __init__(self, count: int, *, made_up: bool = False) -> None:
+        self.count, self._made_up = count, made_up
         self.found: dict[Place, WatchedInstruction] = {}
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
@@ -72,9 +74,28 @@ class Watcher:
                 self._overflow(run, at, state, values, result, known)
         elif at.op in INDEXING:
             for index, size in indices_of(run, at):
-                values = [index.lo.astype(np.float64), np.full((1, 1), float(size))]
-                self._note(run, at, state, INDEX, values, np.asarray(INDEX.margin(*values)))
+                self._note_index(run, at, state, INDEX, index.lo, np.full((1, 1), size))
+        elif at.op == Op.ImageFetch:
+            self._note_fetch(run, at, state)
+        elif self._made_up and at.op in _SIZES:
+            return _largest(run, at, result)
         return result
+
+    def _note_fetch(self, run: Run, at: Instruction, state: PathState) -> None:
+        """Note a texelFetch's coordinates and level, or sample, as indices."""
+        texels, place, _, number, sizes = fetch_place(run, at)
+        if self._made_up:
+            sides = _SIDES if texels.kind != "2DMS" else np.full_like(_SIDES, _SIDES[0])
+            sizes = np.repeat(sides, sizes.shape[1], axis=1)
+        self._note_index(run, at, state, LEVEL, number.lo, np.full((1, 1), len(sizes)))
+        size = sizes[np.clip(number.lo[:, 0], 0, len(sizes) - 1)]
+        self._note_index(run, at, state, TEXEL, place, size)
+
+    def _note_index(
+        self, run: Run, at: Instruction, state: PathState, check: Check, index: Array, size: Array
+    ) -> None:
+        values = [index.astype(np.float64), size.astype(np.float64)]
+        self._note(run, at, state, check, values, np.asarray(check.margin(*values)))
 
     def _overflow(
         self, run: Run, at: Instruction, state: PathState, given: list[Any], result: Any, bad: Flags
@@ -309,11 +330,34 @@ OVERFLOW = Check(
 )  # fmt: skip
 """Of a result that is no number although all operands are; of the result."""
 
+
+def _fetched(what: str) -> Callable[[float, float], str]:
+    return lambda index, size: f"texelFetch of {what} {index:.0f}, outside of 0..{size - 1:.0f}"
+
+
 INDEX = Check(
     "index out of range", lambda index, size: np.minimum(index, size - 1 - index),
     lambda index, size: f"index {index:g} into {size:g} elements",
 )  # fmt: skip
 """Of an index and the number of elements."""
+TEXEL = replace(INDEX, kind="texel out of range", words=_fetched("coordinate"))
+LEVEL = replace(INDEX, kind="level out of range", words=_fetched("level or sample"))
+"""Of what `texelFetch` is given."""
+
+_SIZES = (Op.ImageQuerySizeLod, Op.ImageQuerySize, Op.ImageQueryLevels)
+_LEVELS = 15
+_SIDES = 1 << np.arange(_LEVELS)[::-1, None]
+"""A texture's size at each level, if it is as large as drivers must support (OpenGL 4.6, table
+23.53)."""
+
+
+def _largest(run: Run, at: Instruction, result: Integer) -> Integer:
+    """The size or the levels of the largest texture, in place of those of another one."""
+    if at.op == Op.ImageQueryLevels:
+        return Integer([[_LEVELS]], unsigned=result.unsigned)
+    level = run.value(at.operands[1]).lo[:, 0] if len(at.operands) > 1 else np.zeros(1, np.int64)
+    sides = _SIDES[np.clip(level, 0, _LEVELS - 1)]
+    return Integer(np.repeat(sides, result.shape[1], axis=1), unsigned=result.unsigned)
 
 
 def number_of(op: int, operands: tuple[int, ...]) -> tuple[int, int]:

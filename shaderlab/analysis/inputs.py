@@ -388,7 +388,7 @@ def sample_inputs(
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours
     batch = InputBatch(each, Bindings(textures=textures), count)
-    mipmapped = any(texels.smaller for texels in textures.values())
+    mipmapped = any(texels.filter[0] != texels.filter[1] for texels in textures.values())
     return smooth_quads(batch, inputs, domains) if mipmapped else batch
 
 
@@ -563,20 +563,20 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     if dtype := {"i": np.int32, "u": np.uint32}.get(of[0]):
         values *= 16.0
     filters = ("nearest", "nearest") if dtype or kind == "2DMS" else ("linear", "linear")
+    levels = (2, 4, 8) if kind in ("2D", "2DArray", "Cube") and not shadow else ()
+    smaller = (values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in levels)
     texels = Texels(
         values.astype(dtype or np.float32), filters, ("repeat",) * 3, (0.0,) * 4,
+        smaller=tuple(level.astype(dtype or np.float32) for level in smaller),
         kind=kind, compare="lequal" if shadow else None,
     )  # fmt: skip
     return add_mipmaps(texels) if mipmaps and not dtype else texels
 
 
 def add_mipmaps(texels: Texels) -> Texels:
-    """The texture with smaller levels, others; as it is where its kind has none here."""
-    if texels.kind not in ("2D", "2DArray", "Cube") or texels.compare or texels.smaller:
-        return texels
-    levels = (texels.values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in (2, 4, 8))
-    smaller = tuple(level.astype(np.float32) for level in levels)
-    return replace(texels, filter=("linear_mipmap_linear", "linear"), smaller=smaller)
+    """The texture with filters that read its smaller levels, if it has any."""
+    filters = ("linear_mipmap_linear", "linear")
+    return replace(texels, filter=filters) if texels.smaller else texels
 
 
 _NEAR = 1e-3  # how far from 1 the length of a unit vector is found

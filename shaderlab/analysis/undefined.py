@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,13 +24,14 @@ from .interpreter import Interpreted, Numbers, Program
 from .interpreter.flow import HANDLERS
 from .interpreter.operations import COMPOSITES
 from .interpreter.program import Instruction
-from .interpreter.running import Run, Watch
-from .interpreter.values import PathState, null
+from .interpreter.running import EndlessError, Run, Watch
+from .interpreter.values import Flags, PathState, null
 
 READ, UNWRITTEN = "uninitialised read", "output not written"
 _VALUES = (0.21, 3.4)
-_TRIED = (None, 0.37, 41.0, -2.6, 7.5e3)
+_TRIED = (0.37, 41.0, -2.6, 7.5e3)
 _STAND_IN = 0.5
+_MOST_ROWS = 256  # that go wrong, of which one may change an output
 _ARGUMENT = "param"  # what glslang calls the copy of an argument
 _INTERFACE = "gl_"  # built-in outputs need no value
 NEEDED = ("gl_FragDepth", "gl_Position")  # but for these, where a shader writes to them at all
@@ -186,10 +188,10 @@ _SAMPLES = (Op.ImageSampleImplicitLod, Op.ImageSampleProjImplicitLod, *_SHADOWS)
 
 @dataclass
 class _Divergent:
-    """A `Watch` that keeps the first pixel of each derivative that not all of its quad take."""
+    """A `Watch` that keeps the pixels of each derivative that not all of their quads take."""
 
     quads: Array
-    found: dict[Place, tuple[int, Instruction, bool]] = field(default_factory=dict)
+    found: dict[Place, tuple[Flags, Instruction, bool]] = field(default_factory=dict)
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         sampled = at.op in _SAMPLES
@@ -204,7 +206,8 @@ class _Divergent:
         if split.any():
             mipmapped = not sampled or len(set(run.value(at.operands[0]).filter)) > 1
             place = Place(at.id, tuple(run.calls), KIND)
-            self.found.setdefault(place, (int(split.argmax()), at, mipmapped))
+            before = self.found.get(place, (split,))[0]
+            self.found[place] = before | split, at, mipmapped
         return result
 
 
@@ -227,12 +230,10 @@ def divergent(
     quads = np.unique(quads_of(batch.each["gl_FragCoord"]), return_inverse=True)[1].ravel()
     watch = _Divergent(quads)
     run_batch(program, batch, watch=watch)
-    for place, (row, at, mipmapped) in watch.found.items():
+    for place, (split, at, mipmapped) in watch.found.items():
         if not mipmapped and made_up is None:
             continue
-        quad = np.flatnonzero(quads == quads[row])
-        some, own = batch.part(quad), int(np.flatnonzero(quad == row)[0])
-        outputs = find_dependents(program, some, own, place)
+        row, outputs = find_dependents(program, batch, np.flatnonzero(split), place)
         if not outputs:
             continue
         what = "a derivative" if at.op in DERIVATIVES else "a texture's level of detail"
@@ -255,7 +256,7 @@ class _Hashes:
 
     sines: dict[int, tuple[Any, bool]] = field(default_factory=dict)  # kept, and whether magnified
     floors: dict[int, tuple[Any, Any]] = field(default_factory=dict)  # and of what
-    found: dict[Place, tuple[int, Instruction]] = field(default_factory=dict)
+    found: dict[Place, tuple[Flags, Instruction]] = field(default_factory=dict)
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         number = number_of(at.op, at.operands)
@@ -274,7 +275,7 @@ class _Hashes:
         elif number == _FLOOR and known:
             self.floors[id(result)] = result, known[0][0]
         elif any(flag for _, flag in known) and self._is_fraction(run, at, number):
-            self.found[Place(at.id, tuple(run.calls), HASH)] = int(state.mask.argmax()), at
+            self.found[Place(at.id, tuple(run.calls), HASH)] = state.mask, at
         return result
 
     def _is_fraction(self, run: Run, at: Instruction, number: object) -> bool:
@@ -296,8 +297,9 @@ def sine_hashes(
         return
     watch = _Hashes()
     run_batch(program, batch, watch=watch)
-    for place, (row, at) in watch.found.items():
-        if outputs := find_dependents(program, batch, row, place):
+    for place, (here, at) in watch.found.items():
+        row, outputs = find_dependents(program, batch, np.flatnonzero(here), place)
+        if outputs:
             words = f"{HASH}: fract of a large multiple of a sine, another one on each GPU"
             yield hazard_at(program, inputs, (place, at, batch, row), outputs, words)
 
@@ -333,25 +335,35 @@ def fill_value(value: Any, number: float) -> Any:
 
 
 def find_written_outputs(
-    program: Program, batch: InputBatch, row: int, watch: Watch | None = None
-) -> Mapping[str, Array]:
-    """What an invocation writes, by output; "discard" is 1 where it is discarded."""
+    program: Program, batch: InputBatch, watch: Watch | None = None
+) -> dict[str, Array]:
+    """What each invocation writes, by output; "discard" is 1 where it is discarded."""
     result = run_batch(program, batch, watch=watch)
-    found = {name: values[row] for name, values in flatten_outputs(result.outputs, finite=False)}
-    gone = bool(np.broadcast_to(result.discarded.all_true, (batch.count,))[row])
-    return found | {"discard": np.array([float(gone)])}
+    found = dict(flatten_outputs(result.outputs, finite=False))
+    found["discard"] = np.reshape(result.discarded.all_true, (-1, 1)).astype(np.float64)
+    return {
+        name: np.broadcast_to(rows, (batch.count, *rows.shape[1:])) for name, rows in found.items()
+    }
 
 
 def find_dependents(
-    program: Program, batch: InputBatch, row: int, place: Place
-) -> dict[str, Array]:
-    """The outputs that depend on an instruction's result at an invocation, as they are."""
-    some, own = batch.alone(row, program)
-    plain = find_written_outputs(program, some, own)
-    others = [
-        find_written_outputs(program, some, own, _Replacing(place, value)) for value in _TRIED
-    ]
-    return {name: value for name, value in plain.items() if _differs(name, others)}
+    program: Program, batch: InputBatch, rows: Array, place: Place
+) -> tuple[int, dict[str, Array]]:
+    """The first of some rows at which outputs depend on an instruction's result, and these as they
+    are; no outputs if there is none."""
+    rows = rows[:_MOST_ROWS]
+    kept = np.unique(batch.rows_with(rows, program))
+    some, own = batch.part(kept), np.searchsorted(kept, rows)
+    plain = find_written_outputs(program, some)
+    others = [find_written_outputs(program, some, _Replacing(place, None))]
+    for value in _TRIED:
+        with suppress(EndlessError):
+            others.append(find_written_outputs(program, some, _Replacing(place, value)))
+    differs = {name: _differs(name, others)[own] for name in plain}
+    first = int(np.logical_or.reduce(list(differs.values())).argmax())
+    return int(rows[first]), {
+        name: plain[name][own[first]] for name, flags in differs.items() if flags[first]
+    }
 
 
 def hazard_at(
@@ -372,8 +384,12 @@ def hazard_at(
     )  # fmt: skip
 
 
-def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> bool:
-    values = [run[name] for run in runs if name in run]
-    return len(values) < len(runs) or any(
-        not np.array_equal(value, values[0], equal_nan=True) for value in values
-    )
+def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> Flags:
+    """At which rows an output is not the same in all runs."""
+    found = np.zeros(len(runs[0]["discard"]), np.bool_)
+    for run in runs:
+        if name not in run or name not in runs[0]:
+            return ~np.zeros_like(found)
+        a, b = runs[0][name], run[name]
+        found |= ~((a == b) | (np.isnan(a) & np.isnan(b))).all(axis=1)
+    return found

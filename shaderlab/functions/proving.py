@@ -56,8 +56,9 @@ def prove_law(function: Function, law: Any, ranges: Mapping[str, Any]) -> Outcom
     message = "; ".join(str(one) for one in proof.claims() if one.status == "open")
     for batch, row, _ in proof.points.values():
         example = batch.example(row, inputs)
-        values = find_written_outputs(program, *batch.alone(row, program))
-        shown = {n: tuple(map(float, v)) for n, v in values.items() if n != "discard"}
+        some, own = batch.alone(row, program)
+        values = find_written_outputs(program, some)
+        shown = {n: tuple(map(float, v[own])) for n, v in values.items() if n != "discard"}
         found = Hazard(file="", line=0, kind="", message="", inputs=example, outputs=shown)
         message = f"{signature} breaks the law with {format_inputs(example)}\n"
         message += f"    {format_inputs(shown)}\n    {_confirm(program, found).driver}"

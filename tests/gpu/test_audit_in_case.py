@@ -52,3 +52,20 @@ def test_a_case_s_own_inputs_decide(tmp_path: Path) -> None:
     assert status == 1
     assert "wave.frag:7: sqrt of a negative number" in output
     assert "shift: as in the case" in output
+
+
+def test_the_sizes_of_a_case_s_textures_are_known(tmp_path: Path) -> None:
+    shader = SHADER.replace("float shift", "sampler2D wall").replace("sqrt(place.x + shift)", "%s")
+    case = write(tmp_path, 0.0)
+    case.write_text(
+        case.read_text()
+        .replace('{"shift": 0.0}', '{}, textures={"wall": Texture(image=np.ones((4, 4, 4)))}')
+        .replace("import Case", "import Texture, Case")
+        .replace("from", "import numpy as np\nfrom", 1)
+    )
+    for last, status in ((3, 0), (4, 1)):
+        fetched = f"texelFetch(wall, ivec2(int(place.x) + {last}), 0).r"
+        (tmp_path / "wave.frag").write_text(shader % fetched)
+        found, output = audited(case)
+        assert found == status, output
+    assert "wave.frag:7: texel out of range: texelFetch of coordinate 4, outside of 0..3" in output

@@ -101,6 +101,39 @@ def test_a_result_that_nothing_depends_on_is_no_hazard() -> None:
     assert not audit(body.replace("x > 0.0", "x > -0.5")).clean
 
 
+@pytest.mark.parametrize(
+    "bad", ["sqrt(x)", "1.0 / (x - 0.5)", "float(100 / int(9.0 * y))", "normalize(max(v, 0.0)).x"]
+)
+@pytest.mark.parametrize("rare", ["uv.y > 0.999", "n == 35"])
+def test_an_output_may_depend_on_it_for_few_inputs(bad: str, rare: str) -> None:
+    body = f"    float bad = {bad};\n    FragColor = vec4({rare} ? bad : 0.0);"
+    assert [hazard.line for hazard in evident(audit(body))] == [14]
+
+
+_NEAR = "texelFetch(image, ivec2(gl_FragCoord.xy) - 1, 0).r"
+_SIZE = "textureSize(image, 0)"
+
+
+@pytest.mark.parametrize(
+    ("value", "kind"),
+    [
+        (_NEAR, "texel"),
+        ("texelFetchOffset(image, ivec2(gl_FragCoord.xy), 0, ivec2(0, -1)).r", "texel"),
+        (f"texelFetch(image, {_SIZE}, 0).r", "texel"),
+        (f"texelFetch(image, ivec2(uv * vec2({_SIZE})), 0).r", "texel"),
+        ("texelFetch(image, ivec2(0), n - 1).r", "level"),
+        ("texelFetch(image, ivec2(gl_FragCoord.xy), 0).r", ""),  # its size may be the target's
+        ("texelFetch(image, ivec2(gl_FragCoord.xy) >> (n & 3), n & 3).r", ""),
+        (f"texelFetch(image, min(ivec2(uv * vec2({_SIZE})), {_SIZE} - 1), 0).r", ""),
+        (f"texelFetch(image, (ivec2(gl_FragCoord.xy) + {_SIZE} - 1) % {_SIZE}, 0).r", ""),
+        (f"all(greaterThan(gl_FragCoord.xy, vec2(1.0))) ? {_NEAR} : 0.0", ""),
+    ],
+)
+def test_texels_outside_of_a_texture(value: str, kind: str) -> None:
+    shown = [(hazard.line, hazard.kind) for hazard in evident(audit(value))]
+    assert shown == ([(14, f"{kind} out of range")] if kind else [])
+
+
 def test_two_places_seldom_meet_and_two_vectors_do() -> None:
     (hazard,) = audit("normalize(lightPos - FragPos).x").hazards
     assert not hazard.evident

@@ -175,7 +175,7 @@ def _image_operands(run: Run, words: tuple[int, ...]) -> dict[int, list[Any]]:
     return found
 
 
-_ROWS = {"1D": "2D", "1DArray": "2DArray", "Buffer": "2D"}  # read as planes that are 1 texel high
+ROWS = {"1D": "2D", "1DArray": "2DArray", "Buffer": "2D"}  # read as planes that are 1 texel high
 _COORDINATES = {**COORDINATES, "1D": 1, "1DArray": 2, "CubeArray": 4}
 
 
@@ -192,10 +192,10 @@ def _sample(*, compared: bool = False, projected: bool = False) -> Handler:
             )
         rest = _image_operands(run, at.operands[2 + compared :])
         layer = component(place, 3) if texels.kind == "CubeArray" else None
-        if texels.kind in _ROWS:
+        if texels.kind in ROWS:
             x, *layers = (component(place, i) for i in range(size))
             place = _join([x, run.arithmetic.literal(0.5), *layers])
-            texels = replace(texels, kind=_ROWS[texels.kind])
+            texels = replace(texels, kind=ROWS[texels.kind])
         elif layer is not None:
             place = place[..., :3]
 
@@ -283,29 +283,37 @@ def _offset(rest: Mapping[int, list[Any]]) -> tuple[int, int]:
     return 0, 0
 
 
-def _fetch(run: Run, at: Instruction, state: PathState) -> Any:
+def fetch_place(run: Run, at: Instruction) -> tuple[Texels, Array, Array, Integer, Array]:
+    """What a texelFetch reads: the texture, the ends of its coordinates, the level or the sample,
+    and what the coordinates lie below in each of these."""
     texels: Texels = run.value(at.operands[0])
     place: Integer = run.value(at.operands[1])
     rest = _image_operands(run, at.operands[2:])
-    number = rest.get(_SAMPLE, rest.get(_LOD, [Integer(0)]))[0]
-    if not number.known or (number.lo != number.lo.flat[0]).any():
-        raise FormulaError("texelFetch of a level that differs")
-    level = 0 if texels.kind == "2DMS" else int(number.lo.flat[0])
-    if not 0 <= level <= len(texels.smaller):
-        raise FormulaError(f"texelFetch of level {level}, which is not there")
+    number: Integer = rest.get(_SAMPLE, rest.get(_LOD, [Integer([[0]])]))[0]
     low, high = place.lo, place.hi
-    if texels.kind in _ROWS:
+    if texels.kind in ROWS:
         low, high = (np.insert(end, 1, 0, axis=-1) for end in (low, high))
-        texels = replace(texels, kind=_ROWS[texels.kind])
+        texels = replace(texels, kind=ROWS[texels.kind])
     offset = np.zeros(low.shape[-1], np.int64)
     offset[:2] = _offset(rest)
-    low, high = low + offset, high + offset
-    most = sampling.textureSize(Sampler(texels), level).lo - 1
-    wide = (low != high).any(axis=-1)
-    outside = ((low < 0) | (low > most)).any(axis=-1) | wide
-    inside = np.clip(low, 0, most)
+    levels = [0] * len(texels.values) if texels.kind == "2DMS" else range(1 + len(texels.smaller))
+    sizes = np.stack([sampling.textureSize(Sampler(texels), level).lo for level in levels])
+    return texels, low + offset, high + offset, number, sizes
+
+
+def _fetch(run: Run, at: Instruction, state: PathState) -> Any:
+    texels, low, high, number, sizes = fetch_place(run, at)
+    levels = np.clip(number.lo[:, 0], 0, len(sizes) - 1)
+    inside = np.clip(low, 0, sizes[levels] - 1)
+    absent = (number.lo[:, 0] != levels) | (number.hi[:, 0] != levels)
+    if len(absent) < run.count and absent.all():
+        raise FormulaError(f"texelFetch of level {number.lo[0, 0]}, which is not there")
+    outside = absent | (low != high).any(axis=-1) | (inside != low).any(axis=-1)
+    found: Any = None
     sampler = Sampler(texels, run.arithmetic.rules)
-    found = sampling.texelFetch(sampler, inside, number.lo.flat[0])
+    for level in np.unique(levels):
+        own = sampling.texelFetch(sampler, np.minimum(inside, sizes[level] - 1), level)
+        found = own if found is None else select(TriBool.of((levels == level)[:, None]), own, found)
     if not (outside & state.mask).any():
         return run.arithmetic.rounded(found)
     # What lies outside is undefined; a robust device returns 0.
@@ -345,7 +353,7 @@ def _size(run: Run, at: Instruction, state: PathState) -> Any:
     if texels.kind in ("1DArray", "CubeArray"):
         layers = len(texels.values) // (6 if texels.kind == "CubeArray" else 1)
         sizes = np.insert(sizes, 2, layers, axis=-1)
-    if texels.kind in _ROWS:
+    if texels.kind in ROWS:
         sizes = np.delete(sizes, 1, axis=-1)
     found = Integer(sizes[np.clip(level, 0, most)[:, 0]], rules=run.arithmetic.rules)
     # That of a level which is not there is undefined (OpenGL 4.6, 11.1.3.4).

@@ -131,7 +131,7 @@ def select(condition: TriBool, a: Value, b: Value) -> Value:
     if isinstance(a, Integer):
         return glslmath.where(condition, a, b)
     if not isinstance(a, Band | np.ndarray):
-        if a == b:
+        if isinstance(a, Pointer) and a == b:
             return a
         raise UnchoosableError
     if a.ndim == 3 and condition.ndim == 2:
