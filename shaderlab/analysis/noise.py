@@ -25,6 +25,11 @@ _GIVEN = 1.001 * _INPUT  # what a number that nothing was done to errs by
 _POOL = 1 << 17
 _BEYOND = (1 << 29) - 1  # the bits of a float64 that a float32 has not
 _DOUBLE = struct.Struct("<d")
+_SUMS = {
+    "add": lambda s, a, b: (s - a != b) | (s - b != a),
+    "subtract": lambda s, a, b: (s + b != a) | (a - s != b),
+}
+"""Where a sum is not exact, though it may look so: 1 - 1e-20 is 1."""
 
 
 @dataclass(frozen=True)
@@ -73,15 +78,17 @@ class PerturbedFloat(Numbers):
         if function == "pow":
             x, y = values
             found = np.where((x < 0.0) | ((x == 0.0) & (y <= 0.0)), np.nan, found)
-        return found if function in EXACT else self._perturb_rounded(found, function)
+        lost = _SUMS[function](found, *values) if function in _SUMS and self.copies else False
+        return found if function in EXACT else self._perturb_rounded(found, function, lost)
 
     def rounded(self, value: Any) -> Any:
         return self._perturb_rounded(super().rounded(value), "rounded")
 
-    def _perturb_rounded(self, value: Any, salt: str) -> Any:
+    def _perturb_rounded(self, value: Any, salt: str, lost: Any = False) -> Any:
         if not self.copies or type(value) is not np.ndarray:
             return value
-        return self._perturb(value, (value.view(np.int64) & _BEYOND) != 0, _OPERATION, salt)
+        rounded = (value.view(np.int64) & _BEYOND != 0) | lost
+        return self._perturb(value, rounded, _OPERATION, salt)
 
     def _perturb(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
         """The value with an error in each block but the first where it was rounded, from -1 to -.5
