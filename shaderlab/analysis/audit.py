@@ -101,10 +101,8 @@ def search_inputs(
     own numbers, and the boxes."""
     batch = first_batch(inputs, domains, plan.count)
     proof = Proof(
-        program, inputs, domains,
-        tried=[batch],
+        program, inputs, domains, tried=[batch], boxes=BOXES if plan.prove else _BOXES,
         counts=None if plan.prove else lambda some: find_origins(some, inputs, domains) == RANDOM,
-        boxes=BOXES if plan.prove else _BOXES,
     )  # fmt: skip
     found = {place: one for place, one in proof.points.items() if one.watched is not None}
     # What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
@@ -175,12 +173,9 @@ def audit_program(
 
 
 def prove_between_draws(
-    program: Program,
-    inputs: Mapping[str, Input],
-    captured: Sequence[InputBatch],
-    *,
+    program: Program, inputs: Mapping[str, Input], captured: Sequence[InputBatch], *,
     at_once: bool = False,
-) -> Proof:
+) -> Proof:  # fmt: skip
     """The boxes between the least and the greatest of what draws give a program, or, `at_once`, one
     box of a short run. Raises NotInterpretedError: they give it what is no number."""
     domains, drawn = enclose_inputs(inputs, captured)
@@ -216,13 +211,9 @@ def _claims(
 
 
 def _hazards(
-    program: Program,
-    place: Place,
-    point: Point,
-    inputs: Mapping[str, Input],
-    domains: Mapping[str, InputDomain] | None,
-    others: InputBatch,
-) -> Iterator[Hazard]:
+    program: Program, place: Place, point: Point, inputs: Mapping[str, Input],
+    domains: Mapping[str, InputDomain] | None, others: InputBatch,
+) -> Iterator[Hazard]:  # fmt: skip
     """The hazard about an instruction; none where no output depends on its result. Of inputs that
     were searched, with the `domains`, it says what is special about them."""
     for batch, one in _alternatives(program, place, point, domains, others):
@@ -247,12 +238,9 @@ def _hazards(
 
 
 def _alternatives(
-    program: Program,
-    place: Place,
-    point: Point,
-    domains: Mapping[str, InputDomain] | None,
+    program: Program, place: Place, point: Point, domains: Mapping[str, InputDomain] | None,
     others: InputBatch,
-) -> Iterator[tuple[InputBatch, WatchedInstruction]]:
+) -> Iterator[tuple[InputBatch, WatchedInstruction]]:  # fmt: skip
     """Invocations at which an instruction goes wrong; of made-up inputs also with mipmaps, and such
     whose inputs are the point's or those of others."""
     batch, row, one = point

@@ -51,7 +51,7 @@ from .inputs import (
 from .interpreter import Program, adopt_names
 from .interpreter.running import EndlessError
 from .interpreter.values import Flags
-from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
+from .noise import Compared, Ran, compare, confirm, run
 from .portability import MOST, bands_of, compare_accuracy, find_costs
 from .requests import ShaderOfFile
 
@@ -65,7 +65,6 @@ _SHORT, _LONG = 300, 3000  # blocks: programs that run more get fewer invocation
 _LEAST, _ROUNDS, _FEWEST = 256, 5, 24
 _TRIES = 4  # to leave out what goes on for too long
 _T = TypeVar("_T")
-_ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,13 +131,9 @@ def compare_programs(
     never = list(comparison.notes()) if all(output.same for output in outputs) else []
     unknown = [o.name for o in outputs if o.same and not o.numerics] if plan.accuracy else []
     never += [f"{name}: accuracy not known" for name in unknown]
-    return Answer(
-        old=old.path,
-        new=new.path,
-        outputs=outputs,
-        notes=(*_notes(mine, theirs), *never),
-        inputs={n: f"{d} ({d.source})" for n, d in comparison.domains.items() if n in inputs},
-    )
+    words = {n: f"{d} ({d.source})" for n, d in comparison.domains.items() if n in inputs}
+    notes = (*_notes(mine, theirs), *never)
+    return Answer(old=old.path, new=new.path, outputs=outputs, notes=notes, inputs=words)
 
 
 def _is_open(name: str, domain: InputDomain) -> bool:
@@ -314,7 +309,9 @@ class _Comparison:
         old, new = (program.numbers for program in self.programs)
         for a, b in itertools.product(old - new, new - old):
             if abs(a - b) < ALIKE * abs(a):
-                yield f"{a:.7g} became {b:.7g}, which changes less than rounding may"
+                whole = a % 1.0 == b % 1.0 == 0.0
+                why = "no input shows" if whole else "changes less than rounding may"
+                yield f"{a:.{10 if whole else 7}g} became {b:.{10 if whole else 7}g}, which {why}"
 
     def _is_settled(self, sets: Sequence[_Set], name: str, other: str) -> bool:
         """Whether an output is known to be another one: more inputs add nothing."""
@@ -365,9 +362,7 @@ class _Comparison:
     def _place(self, one: _Set, row: int) -> str:
         """The first line that stores another value at an invocation; where only one program
         discards, the line where it does."""
-        found, old, new = first_difference(
-            self.programs, one.batch, row, PerturbedFloat(), _look_different
-        )
+        found, old, new = first_difference(self.programs, one.batch, row)
         if found is not None:
             return _format_place(self.programs[1], found.line)
         for program, ran, taken in zip(self.programs, (one.old, one.new), (old, new), strict=True):
@@ -468,13 +463,3 @@ def _value(ran: Ran, name: str, row: int) -> tuple[float, ...]:
     if ran.discarded[0, row]:
         return ()
     return tuple(float(v) for v in ran.outputs[name][0, row])
-
-
-def _look_different(a: object, b: object) -> bool:
-    """Whether two stored values are other ones, as far as a reader would say so."""
-    x, y = (np.asarray(getattr(v, "lo", getattr(v, "all_true", v)), np.float64) for v in (a, b))
-    if x.shape[1:] != y.shape[1:]:
-        return True
-    with np.errstate(all="ignore"):
-        near = np.abs(x - y) <= _ENDS * np.maximum(np.abs(x), np.abs(y)) + 1e-12
-    return not bool((near | (np.isnan(x) & np.isnan(y)) | (x == y)).all())

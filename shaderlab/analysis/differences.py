@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,16 +16,17 @@ from shaderlab.model.frame import Array
 
 from .batches import InputBatch, join_batches, run_batch
 from .inputs import InputDomain
-from .interpreter import FLOAT64, Arithmetic, Program, Stored
+from .interpreter import FLOAT64, Program, Stored
 from .interpreter.program import Instruction
 from .interpreter.running import Run
 from .interpreter.values import Flags, PathState
-from .noise import run
+from .noise import PerturbedFloat, run
 
 PAIRS = 192
 _PARTS, _ROUNDS = 8, 6  # each round looks for the steepest of so many parts
 _SMOOTH = 2  # after so many rounds a change that goes on shrinking is no jump
 _SHRINKS = 0.5  # what is left of a smooth change from one round to the next, at most
+_ENDS = 1e-6  # what stored values may differ by where a step is called the same
 _JUMP = 1e9  # how far apart something and nothing are
 
 
@@ -99,16 +100,21 @@ def meet_bounds(
         if domain.kind == "number" and name in batch.each and name != "gl_FragCoord"
     }  # fmt: skip
 
+    first: dict[float, list[str]] = {}  # the inputs that the first invocation has a number of
+    for name in each:
+        for number in {*batch.each[name].reshape(batch.count, -1)[0].tolist()}:
+            first.setdefault(number, []).append(name)
+
     def meet(run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         if at.op not in _COMPARISONS:
             return result
         for own, other in itertools.permutations(run.values(at.operands), 2):
-            for name, met in each.items() if own.shape == (batch.count, 1) else ():
-                given = batch.each[name].reshape(batch.count, -1)
-                if own[0] in given[0] and (equal := (given == own).all(axis=0)).any():
+            for name in first.get(own.item(0), ()) if own.shape == (batch.count, 1) else ():
+                equal = (batch.each[name].reshape(batch.count, -1) == own).all(axis=0)
+                if equal.any():
                     rows = state.mask & (rng.random(batch.count) < 0.5)
                     bound = np.broadcast_to(domains[name].clip(other), own.shape)
-                    met.reshape(batch.count, -1)[np.ix_(rows, equal)] = bound[rows]
+                    each[name].reshape(batch.count, -1)[np.ix_(rows, equal)] = bound[rows]
         return result
 
     run_batch(program, batch, FLOAT64, watch=meet)
@@ -135,9 +141,6 @@ def _meets_undefined(program: Program, batch: InputBatch) -> Flags:
     return found
 
 
-Differ = Callable[[Any, Any], bool]
-
-
 @dataclass(frozen=True, eq=False)
 class Step:
     """A value that was stored: the variable, how often it had been before, its line, the value."""
@@ -148,7 +151,7 @@ class Step:
     value: Any
 
 
-def steps(program: Program, batch: InputBatch, row: int, arithmetic: Arithmetic) -> list[Step]:
+def steps(program: Program, batch: InputBatch, row: int) -> list[Step]:
     """What an invocation stores, in order. Its quad runs with it where that matters."""
     quad, own = batch.alone(row, program)
     found: list[Step] = []
@@ -161,31 +164,38 @@ def steps(program: Program, batch: InputBatch, row: int, arithmetic: Arithmetic)
             found.append(Step(stored.name, turns[stored.name], stored.line, lane))
             turns[stored.name] += 1
 
-    run_batch(program, quad, arithmetic, trace=note, unwritten=False)
+    run_batch(program, quad, PerturbedFloat(), trace=note, unwritten=False)
     return found
 
 
 def first_difference(
-    programs: tuple[Program, Program],
-    batch: InputBatch,
-    row: int,
-    arithmetic: Arithmetic,
-    differ: Differ,
+    programs: tuple[Program, Program], batch: InputBatch, row: int
 ) -> tuple[Step | None, list[Step], list[Step]]:
     """The first step of an invocation in which the new program stores another value than the old
     one, None where none is; and what either stores.
 
     Steps are compared one by one while both store to the same variables, then by variable. What
     functions return has no name, and is left out there."""
-    old, new = (steps(program, batch, row, arithmetic) for program in programs)
-    pairs = zip(old, new, strict=False)
-    same = list(itertools.takewhile(lambda pair: pair[0].name == pair[1].name, pairs))
-    found = next((b for a, b in same if differ(a.value, b.value)), None)
+    old, new = (steps(program, batch, row) for program in programs)
+    zipped = zip(old, new, strict=False)
+    same = list(itertools.takewhile(lambda pair: pair[0].name == pair[1].name, zipped))
+    found = next((b for a, b in same if _look_different(a.value, b.value)), None)
     if found is None:
         known = {(step.name, step.turn): step for step in old if step.name != "return"}
         later = (step for step in new[len(same) :] if (step.name, step.turn) in known)
-        found = next((b for b in later if differ(known[b.name, b.turn].value, b.value)), None)
+        pairs = ((known[b.name, b.turn], b) for b in later)
+        found = next((b for a, b in pairs if _look_different(a.value, b.value)), None)
     return found, old, new
+
+
+def _look_different(a: object, b: object) -> bool:
+    """Whether two stored values are other ones, as far as a reader would say so."""
+    x, y = (np.asarray(getattr(v, "lo", getattr(v, "all_true", v)), np.float64) for v in (a, b))
+    if x.shape[1:] != y.shape[1:]:
+        return True
+    with np.errstate(all="ignore"):
+        near = np.abs(x - y) <= _ENDS * np.maximum(np.abs(x), np.abs(y)) + 1e-12
+    return not bool((near | (np.isnan(x) & np.isnan(y)) | (x == y)).all())
 
 
 def discards(program: Program) -> list[int]:

@@ -33,11 +33,8 @@ _SMALL = 2.0**-8  # of an output's largest value: below it, what counts is the U
 
 
 def portability(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
-    """How far the precision rules let each float output's values lie apart.
-
-    Returns:
-        nothing where bands can't be had.
-    """
+    """How far the precision rules let each float output's values lie apart; nothing where bands
+    can't be had."""
     found = []
     for name, band in (bands_of(program, batch) or {}).items():
         if not is_vector(band) or (name.startswith("gl_") and band.vacuous.all()):
@@ -172,14 +169,9 @@ def _is_relaxed(program: Program, id_: int) -> bool:
 
 
 def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
-    """How far devices of 16 bits are off at each float output, in codes of 8 bits.
-
-    What the shader declares as mediump or lowp is computed so; where it declares nothing,
-    everything.
-
-    Returns:
-        nothing where the program can't be run so.
-    """
+    """How far devices of 16 bits are off at each float output, in codes of 8 bits; nothing where
+    the program can't be run so. What the shader declares as mediump or lowp is computed so; where
+    it declares nothing, everything."""
     relaxed = any(_is_relaxed(program, id_) for id_ in program.definitions)
     try:
         exact = _outputs(program, batch, FLOAT64)

@@ -82,19 +82,11 @@ class Proof:
     """
 
     def __init__(
-        self,
-        program: Program,
-        inputs: Mapping[str, Input],
-        domains: Mapping[str, InputDomain],
-        *,
-        condition: Condition = are_finite,
-        tried: Sequence[InputBatch] = (),
-        counts: Callable[[InputBatch], Flags] | None = None,
-        hazards: bool = True,
-        boxes: int = BOXES,
-        max_blocks: int = 2000,
-        drawn: InputBatch | None = None,
-    ) -> None:
+        self, program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], *,
+        condition: Condition = are_finite, tried: Sequence[InputBatch] = (),
+        counts: Callable[[InputBatch], Flags] | None = None, hazards: bool = True,
+        boxes: int = BOXES, max_blocks: int = 2000, drawn: InputBatch | None = None,
+    ) -> None:  # fmt: skip
         self.tried = 0
         self._waiting = boxes  # how many may be run yet
         self.points: dict[Place, Point] = {}

@@ -140,7 +140,7 @@ def _find_differences(
         built_in = unwritten and name.startswith(_INTERFACE)
         if b is None or (built_in and not name.startswith(NEEDED)):
             continue
-        differs = (~((a == b) | (np.isnan(a) & np.isnan(b)))).any(axis=-1) & ~gone
+        differs = _rows_apart(a, b) & ~gone
         if differs.any() and not (built_in and differs.all()):
             found[name] = int(differs.argmax())
     return found
@@ -212,11 +212,9 @@ class _Divergent:
 
 
 def divergent(
-    program: Program,
-    batch: InputBatch,
-    inputs: Mapping[str, Input],
+    program: Program, batch: InputBatch, inputs: Mapping[str, Input],
     made_up: Mapping[str, InputDomain] | None,
-) -> Iterator[Hazard]:
+) -> Iterator[Hazard]:  # fmt: skip
     """Derivatives of a fragment stage in divergent control flow on which an output depends.
 
     The batch has whole quads; generated inputs become smooth, and uniforms uniform. `made_up` says
@@ -367,13 +365,9 @@ def find_dependents(
 
 
 def hazard_at(
-    program: Program,
-    inputs: Iterable[str],
-    found: tuple[Place, Instruction, InputBatch, int],
-    outputs: Mapping[str, Array],
-    message: str,
-    **more: Any,
-) -> Hazard:
+    program: Program, inputs: Iterable[str], found: tuple[Place, Instruction, InputBatch, int],
+    outputs: Mapping[str, Array], message: str, **more: Any,
+) -> Hazard:  # fmt: skip
     """The hazard of an instruction that was found at a place, for a row of a batch."""
     place, at, batch, row = found
     file, line = program.place(at.line)
@@ -386,10 +380,10 @@ def hazard_at(
 
 def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> Flags:
     """At which rows an output is not the same in all runs."""
-    found = np.zeros(len(runs[0]["discard"]), np.bool_)
-    for run in runs:
-        if name not in run or name not in runs[0]:
-            return ~np.zeros_like(found)
-        a, b = runs[0][name], run[name]
-        found |= ~((a == b) | (np.isnan(a) & np.isnan(b))).all(axis=1)
-    return found
+    if not all(name in run for run in runs):
+        return np.ones(len(runs[0]["discard"]), np.bool_)
+    return np.asarray(np.any([_rows_apart(runs[0][name], run[name]) for run in runs], axis=0))
+
+
+def _rows_apart(a: Array, b: Array) -> Flags:
+    return np.asarray(~((a == b) | (np.isnan(a) & np.isnan(b))).all(axis=-1))

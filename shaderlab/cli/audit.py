@@ -32,10 +32,9 @@ if TYPE_CHECKING:
     help="Show how far conforming devices may differ at each output, at highp and mediump.",
 )  # fmt: skip
 @click.option(
-    "--prove",
-    is_flag=True,
+    "--prove", is_flag=True,
     help="Prove for each hazard that no input in the ranges causes it, or find one that does.",
-)
+)  # fmt: skip
 @click.option(
     "--assume", multiple=True, metavar="'A > B'",
     help="A condition in GLSL that the inputs meet; repeatable.",
@@ -51,21 +50,11 @@ if TYPE_CHECKING:
 @shared.JSON
 @shared.finding_options
 def command(
-    targets: tuple[str, ...],
-    ranges: dict[str, str],
-    possible: bool,
-    precision: bool,
-    prove: bool,
-    assume: tuple[str, ...],
-    show_inputs: bool,
-    stage: str | None,
-    includes: tuple[Path, ...],
-    driver: str | None,
-    limits: Limits,
-    workers: int,
-    json_file: str | None,
+    targets: tuple[str, ...], ranges: dict[str, str], possible: bool, precision: bool, prove: bool,
+    assume: tuple[str, ...], show_inputs: bool, stage: str | None, includes: tuple[Path, ...],
+    driver: str | None, limits: Limits, workers: int, json_file: str | None,
     outputs: Mapping[str, str],
-) -> int:
+) -> int:  # fmt: skip
     """Search for inputs at which a shader divides by 0, takes the square root of a negative number,
     reads an uninitialised value, or does anything else that GLSL leaves undefined, and for outputs
     that depend on it. No formula is needed.

@@ -50,20 +50,10 @@ ONLY_IF = 3
 @shared.jobs_option("1")
 @shared.JSON
 def command(
-    old: Path,
-    new: Path | None,
-    against: str | None,
-    case: str | None,
-    ranges: dict[str, str],
-    strict: bool,
-    assume: bool,
-    stage: str | None,
-    show_inputs: bool,
-    includes: tuple[Path, ...],
-    limits: Limits,
-    workers: int,
-    json_file: str | None,
-) -> int:
+    old: Path, new: Path | None, against: str | None, case: str | None, ranges: dict[str, str],
+    strict: bool, assume: bool, stage: str | None, show_inputs: bool, includes: tuple[Path, ...],
+    limits: Limits, workers: int, json_file: str | None,
+) -> int:  # fmt: skip
     """Check whether the shader NEW computes what OLD does, without a formula: both are interpreted
     on the same inputs. Inputs are generated from names and types, or taken from a case and varied.
 

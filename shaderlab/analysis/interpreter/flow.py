@@ -148,26 +148,14 @@ def _nothing(run: Run, at: Instruction, state: PathState) -> None:
 
 HANDLERS: Mapping[int, Handler] = {
     Op.Undef: lambda run, at, state: undefined(run.program.types[at.type], run.arithmetic),
-    Op.FunctionCall: _call,
-    Op.Variable: _variable,
-    Op.Load: _load,
-    Op.Store: _store,
-    Op.AccessChain: _access_chain,
-    Op.InBoundsAccessChain: _access_chain,
-    Op.ArrayLength: _array_length,
+    Op.FunctionCall: _call, Op.Variable: _variable, Op.Load: _load, Op.Store: _store,
+    Op.AccessChain: _access_chain, Op.InBoundsAccessChain: _access_chain,
+    Op.ArrayLength: _array_length, Op.ExtInst: _extended,
     Op.CopyObject: lambda run, at, state: run.value(at.operands[0]),
     Op.Phi: lambda run, at, state: state.memory.pop(at.id),
-    Op.LoopMerge: _nothing,
-    Op.SelectionMerge: _nothing,
-    Op.MemoryBarrier: _nothing,
-    **COMPOSITES,
-    **FLOATS,
-    **INTEGERS,
-    **LOGIC,
-    **DERIVATIVES,
-    **TEXTURES,
-    Op.ExtInst: _extended,
-}
+    Op.LoopMerge: _nothing, Op.SelectionMerge: _nothing, Op.MemoryBarrier: _nothing,
+    **COMPOSITES, **FLOATS, **INTEGERS, **LOGIC, **DERIVATIVES, **TEXTURES,
+}  # fmt: skip
 
 Leaving = list[tuple[int | None, PathState]]
 """States, each with the label of the block that it goes to; None for one that returns."""
@@ -180,10 +168,7 @@ def _conditional(run: Run, function: Function, at: Instruction, state: PathState
         for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
             if is_sure.item():
                 return [(target, state)]
-    yes, no = (
-        state.mask & ~np.broadcast_to(side[:, 0], state.mask.shape)
-        for side in (truth.all_false, truth.all_true)
-    )
+    yes, no = (state.mask & ~side[:, 0] for side in (truth.all_false, truth.all_true))
     leaving = _split([(then, yes), (otherwise, no)], state)
     if (both := yes & no).any():
         run.note_undecided(at.line, both)
@@ -247,13 +232,11 @@ Branch = Callable[["Run", Function, Instruction, PathState], Leaving]
 
 BRANCHES: Mapping[int, Branch] = {
     Op.Branch: lambda run, function, at, state: [(at.operands[0], state)],
-    Op.BranchConditional: _conditional,
-    Op.Switch: _switch,
-    Op.Kill: _kill,
     Op.Return: lambda run, function, at, state: [(None, state)],
-    Op.ReturnValue: _return_value,
     Op.Unreachable: lambda run, function, at, state: [],
-}
+    Op.BranchConditional: _conditional, Op.Switch: _switch, Op.Kill: _kill,
+    Op.ReturnValue: _return_value,
+}  # fmt: skip
 
 
 _LESS = (Op.FOrdLessThan, Op.FOrdLessThanEqual)

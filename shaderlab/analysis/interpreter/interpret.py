@@ -188,18 +188,11 @@ class Interpreted:
 
 
 def interpret(
-    program: Program,
-    each: Mapping[str, Array],
-    bindings: Bindings = _NOTHING,
-    arithmetic: Arithmetic = FLOAT32,
-    *,
-    count: int | None = None,
-    places: Array | None = None,
-    max_blocks: int = MAX_BLOCKS,
-    trace: Trace | None = None,
-    watch: Watch | None = None,
+    program: Program, each: Mapping[str, Array], bindings: Bindings = _NOTHING,
+    arithmetic: Arithmetic = FLOAT32, *, count: int | None = None, places: Array | None = None,
+    max_blocks: int = MAX_BLOCKS, trace: Trace | None = None, watch: Watch | None = None,
     unwritten: bool = False,
-) -> Interpreted:
+) -> Interpreted:  # fmt: skip
     """Run a stage on many invocations at once.
 
     Args:
@@ -249,7 +242,5 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
     return Interpreted(
         outputs={} if end is None else find_outputs(program, end.memory, count),
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
-        undecided=run.undecided,
-        taken=run.taken,
-        blocks=run.blocks,
-    )
+        undecided=run.undecided, taken=run.taken, blocks=run.blocks,
+    )  # fmt: skip

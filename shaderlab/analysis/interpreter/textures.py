@@ -79,12 +79,8 @@ def _decode(lookup: Lookup) -> tuple[Lookup, float]:
     give = _CODE if any("linear" in word for word in texels.filter) else 0.0
     if not texels.format.startswith("srgb"):
         return lookup, give
-    linear = replace(
-        texels,
-        values=_to_linear(texels.values),
-        smaller=tuple(map(_to_linear, texels.smaller)),
-        format="rgba32f",
-    )
+    values, *smaller = map(_to_linear, (texels.values, *texels.smaller))
+    linear = replace(texels, values=values, smaller=tuple(smaller), format="rgba32f")
     return replace(lookup, sampler=replace(lookup.sampler, texels=linear)), give + _SRGB
 
 
