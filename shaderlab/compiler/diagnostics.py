@@ -43,8 +43,11 @@ def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
             at = int(placed["line"])
             if token == "bad":  # glslang's preprocessor has no other word for it
                 token, message = _find_foreign(source, at) or (token, message)
-            if message.startswith("no matching") and f"{token}(iChannel" in source.code:
-                message += "; declare it, if it is no sampler2D: uniform samplerCube iChannel0;"
+            if message.startswith("no matching"):
+                row = source.code.split("\n")[at - 1]
+                if channels := re.findall(rf"\b{token}\s*\(\s*(iChannel\d)", row):
+                    said = " or ".join(dict.fromkeys(channels))
+                    message += f"; declare it, if it is no sampler2D: uniform samplerCube {said};"
             worded = f"'{token}' : {message}" if token else message
             found[source.diagnostic(worded, at, severity=severity, token=token)] = None
     return tuple(found)

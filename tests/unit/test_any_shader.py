@@ -97,6 +97,9 @@ def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
          "not interpreted: subpassInput albedo at line 4 → read a sampler2D: texelFetch("),
         ("a.frag", "void mainImage(out vec4 c, in vec2 p) { c = texture(iChannel0, vec3(p, 1)); }",
          "declare it, if it is no sampler2D: uniform samplerCube iChannel0;"),
+        ("a.frag", "void mainImage(out vec4 c, in vec2 p) {\nc = texture(iChannel0, p);\n"
+         "c += texture( iChannel3, vec3(p, 1)); }",
+         "declare it, if it is no sampler2D: uniform samplerCube iChannel3;"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("command", ["audit", "explain", "diff"])
