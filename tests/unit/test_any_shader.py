@@ -276,3 +276,12 @@ def test_a_text_may_only_include(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     (tmp_path / "turn.glsl").write_text("float turn(float x) { return x * TAU; }\n")
     both = '#include "const.glsl"\n#include "turn.glsl"\n'
     assert glsl.load(both).turn(2.0) == 12.5
+
+
+def test_what_another_stage_has_is_not_taken_for_the_fixed_function_pipeline(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "part.cs"
+    file.write_text("uint group() { return gl_WorkGroupID.x; }\n")
+    said = call("audit", file)[1]
+    assert "'gl_WorkGroupID' : undeclared" in said and "fixed-function" not in said

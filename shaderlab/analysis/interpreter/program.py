@@ -160,6 +160,18 @@ class Function:
         return {label: place for place, label in enumerate(self.blocks)}
 
 
+_FIXED = (
+    "Vertex'",
+    "Normal",
+    "Color",
+    "MultiTex",
+    "TexCoord",
+    "Model",
+    "Projection",
+    "Light",
+    "Fog",
+)
+"""How names of the fixed-function pipeline begin, after `gl_`."""
 _FOLDED = (Op.FNegate, Op.FAdd, Op.FSub, Op.FMul, Op.FDiv, Op.VectorTimesScalar)
 
 
@@ -272,7 +284,7 @@ def load(source: Source) -> Program:
     try:
         compiled.require()
     except ShaderError as error:
-        if error.message.startswith("'gl_"):
+        if error.message.startswith(tuple(f"'gl_{name}" for name in _FIXED)):
             error.remedy = "declare it: nothing feeds the fixed-function pipeline here"
         raise
     raise ShaderError("does not become SPIR-V", file=source.path)
