@@ -3,7 +3,6 @@
 Source: Khronos, "WebGL 2.0 Specification".
 """
 
-import asyncio
 import base64
 import functools
 import json
@@ -174,6 +173,8 @@ class Browser:
                 f"no package that drives a browser ({error})",
                 remedy="pip install 'shaderlab[webgl]'",
             ) from error
+        import asyncio  # takes as long as all else here, and recorders of calls need none
+
         self._path = _find_chromium()
         # In a separate thread: the caller may run an event loop itself, as a notebook does.
         self._loop = asyncio.new_event_loop()
@@ -233,9 +234,9 @@ class Browser:
             )
 
     def _run(self, work: Coroutine[Any, Any, Result], seconds: float) -> Result:
-        return asyncio.run_coroutine_threadsafe(
-            asyncio.wait_for(work, seconds), self._loop
-        ).result()
+        from asyncio import run_coroutine_threadsafe, wait_for
+
+        return run_coroutine_threadsafe(wait_for(work, seconds), self._loop).result()
 
     def _wait(self, work: Coroutine[Any, Any, Result]) -> Result:
         try:
