@@ -3,9 +3,9 @@
 Local: as it was modelled. World: after the model matrix, together with all other objects. View:
 seen from the camera, which is the origin and looks down −z. Clip: after the projection, four
 numbers, with the distance in w. Device: divided by w, in the cube from −1 to 1, z into the screen.
-Window: in pixels, with a depth from 0 to 1. The shader makes the first four and hands over the
-fourth; the division and the viewport are the hardware's, worked out here as well so that every step
-can be seen.
+Window: in pixels, with a depth from 0 to 1. The notes name five; before and after the division by w
+are two here. The shader makes the first four and hands over the fourth; the division and the
+viewport are the hardware's, worked out here as well so that every step can be seen.
 
 Look at: the aircraft and the golden pyramid of what the camera sees, in all six, from the upper
 left. The pyramid comes with the world and is a cube in device coordinates, with the aircraft bent

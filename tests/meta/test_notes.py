@@ -72,6 +72,7 @@ cases/ch01_setup/orange_triangle.py      1.2.2  derived  Most likely lost when t
 cases/ch01_setup/orange_triangle.py      1.2.2  derived  Most likely added when the notes were
 cases/ch02_basics/glsl_types.py          2.3.2  quoted   which the notes' shaders
 cases/ch03_transforms/mvp.py             3.4    quoted   matrices are those of the notes
+cases/ch04_spaces/coordinate_spaces.py   4.1    quoted   The notes name five
 cases/ch05_lighting/directional_light.py 5.5.1  quoted   (−0.2, −1, −0.3) in the notes
 cases/ch05_lighting/spotlight.py         5.5.3  quoted   and what the notes print
 cases/ch05_lighting/spotlight.py         5.5.3  quoted   the notes print {printed}
