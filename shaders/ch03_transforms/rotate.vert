@@ -4,7 +4,7 @@ layout (location = 1) in vec3 aNormal;
 layout (location = 3) in vec3 aColor;
 
 uniform vec3 axis;     // of any length
-uniform float angle;   // in radians, counter-clockwise for whom the axis points at
+uniform float angle;   // in radians, counter-clockwise where the axis points at the viewer
 uniform vec3 offset;
 uniform mat4 view;
 uniform mat4 projection;

@@ -13,7 +13,7 @@ bool facesLamp(vec3 normal, vec3 lightDir)
     return dot(normal, lightDir) > 0.0;
 }
 
-// pow with a base of 0 or less is undefined in GLSL, so a lobe ends there.
+// pow of a negative number, and of 0 to 0, is undefined in GLSL, so a lobe ends at 0.
 float cosineLobe(float cosine, float shininess)
 {
     return cosine > 0.0 ? pow(cosine, shininess) : 0.0;
