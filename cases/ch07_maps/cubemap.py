@@ -3,14 +3,15 @@
 The largest of the three components, by its size, says which face the direction meets: +X, −X, +Y,
 −Y, +Z or −Z, in this order. The other two, divided by it, are the place on that face. So the length
 of the direction does not matter, and nothing has to be normalised. Which component becomes s and
-which t, and with which sign, is a table: seen from inside, t runs down on the four faces around. So
-files, which begin with their upper rows, are uploaded as they are: right, left, top, bottom, back
-and front.
+which t, and with which sign, is a table. On the four faces around t runs down, so files, which
+begin with their upper rows, are uploaded as they are: right, left, top, bottom, back and front. And
+s runs to the right for a viewer outside: inside, where a sky is seen from, each face is a mirror
+image.
 
 Look at: a ball and a cube that are wrapped in the same six charts, each face in a colour of its
 own, with figures that count along s and then along t; as t runs down, they stand on their heads. On
 the ball the fields shrink towards the corners of the cube: texels there stand for a smaller part of
-the sphere. On the right the cube is unfolded, as seen from inside: −X, +Z, +X and −Z in a row, +Y
+the sphere. On the right the cube is unfolded, its outer side up: −X, +Z, +X and −Z in a row, +Y
 above +Z and −Y below it.
 
 Try: in `ch07_maps/cubemap_ball.frag` write `textureLod(faces, normal, 0.0)` for `textureLod(faces,
