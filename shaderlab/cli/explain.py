@@ -170,7 +170,7 @@ def show(explained: Explanation, where: str) -> None:
             _format_number(step.lost),
             style=None if step.inside else "red",
         )
-    console.print(table)
+    console.print(table if explained.steps else "it stores nothing that is rounded")
     if explained.refused:
         console.print(f"values come from float32 arithmetic: {explained.refused}", style="yellow")
     for line in describe_losses(explained.steps):

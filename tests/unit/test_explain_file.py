@@ -55,3 +55,22 @@ def test_ranges_are_given(shader: Path) -> None:
     assert 3.0 <= data["inputs"]["far"][0] <= 4.0
     with pytest.raises(UsageError, match="does not read 'near'"):
         explained(shader, "--range", "near=3:4")
+
+
+def test_members_of_blocks_without_a_name_are_stored_too(tmp_path: Path) -> None:
+    file = tmp_path / "a.vert"
+    file.write_text(
+        "#version 430\nin vec4 at;\nbuffer Sums { float sum; vec2 seen[4]; };\n"
+        "void main() {\n    gl_Position = at * 0.3;\n    sum = at.x / 3.0;\n"
+        "    seen[gl_VertexID & 3].y = at.y;\n}\n"
+    )
+    _, data = explained(file)
+    names = [(step["line"], step["name"].partition("[")[0]) for step in data["steps"]]
+    assert names == [(5, "gl_Position"), (6, "sum"), (7, "seen")]
+
+
+def test_a_shader_of_integers_has_nothing_to_explain(tmp_path: Path) -> None:
+    file = tmp_path / "a.frag"
+    file.write_text("#version 330 core\nin vec2 a;\nout uvec2 b;\nvoid main() { b = uvec2(3u); }\n")
+    output, data = explained(file)
+    assert data["steps"] == [] and "it stores nothing that is rounded" in output

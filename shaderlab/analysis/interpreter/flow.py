@@ -14,7 +14,7 @@ import numpy as np
 
 from shaderlab.bands import Band, Integer
 from shaderlab.bands.exact import as_tri_bool
-from shaderlab.compiler.spirv import Glsl450 as G, Op, type_name
+from shaderlab.compiler.spirv import Glsl450 as G, Op, StorageClass, type_name
 from shaderlab.errors import NotInterpretedError
 
 from .operations import (
@@ -111,7 +111,7 @@ def _store(run: Run, at: Instruction, state: PathState) -> None:
 
 
 def _write(run: Run, at: Instruction, state: PathState, pointer: Pointer, value: Any) -> None:
-    type_, _ = run.program.variables[pointer.variable]
+    type_, storage = run.program.variables[pointer.variable]
     stored = value
     if pointer.path:
         old = state.memory.get(pointer.variable)
@@ -120,8 +120,10 @@ def _write(run: Run, at: Instruction, state: PathState, pointer: Pointer, value:
         stored = replace_part(old, type_, pointer.path, value, state.mask)
     state.memory[pointer.variable] = stored
     name = run.program.name(pointer.variable) if run.trace is not None else ""
-    if name:
-        run.trace_stored(at, format_place(name, type_, pointer.path), value, state)
+    if name or storage in (StorageClass.StorageBuffer, StorageClass.Uniform, StorageClass.Output):
+        # A block may have no name of its own.
+        place = format_place(name, type_, pointer.path).removeprefix(".")
+        run.trace_stored(at, place, value, state)
 
 
 def _call(run: Run, at: Instruction, state: PathState) -> Any:
