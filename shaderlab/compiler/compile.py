@@ -24,7 +24,7 @@ from .module_edits import drop_repeated, find_unwritten_inputs, match_locations
 from .reflection import Interface, reflect
 from .shader_files import STAGES, is_embedded, version_of
 from .sources import Source
-from .spirv import parse
+from .spirv import count_instructions
 from .syntax import Node, Syntax, walk
 
 
@@ -175,7 +175,7 @@ class Result:
             ok=self.ok,
             diagnostics=self.diagnostics,
             spirv_bytes=sum(map(len, self.modules.values())),
-            instructions=sum(parse(module).instructions for module in self.modules.values()),
+            instructions=sum(map(count_instructions, self.modules.values())),
             valid=self.valid,
         )
 
@@ -214,8 +214,7 @@ def compile_spirv(sources: Sequence[Source], target: str, plain: Result) -> Resu
         return plain if _lines(result) == _lines(plain) else result
     if target == "vulkan":
         lifted, notes = lift_samplers(sources)
-        linked = link(lifted, target)
-        if linked.ok and notes:
+        if notes and (linked := link(lifted, target)).ok:
             result = _finish(linked, lifted, target)
             return replace(result, diagnostics=(*notes, *result.diagnostics))
     return _finish(link(sources, target), sources, target)

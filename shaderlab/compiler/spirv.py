@@ -191,7 +191,6 @@ class Module:
     capabilities: set[int] = field(default_factory=set)
     modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
     body: list[Instruction] = field(default_factory=list)
-    instructions: int = 0
 
     def decorated(self, id_: int, decoration: int) -> tuple[int, ...] | None:
         """Return a decoration's literals (empty if it has none), or None if it is absent."""
@@ -228,12 +227,20 @@ def parse(data: bytes) -> Module:
         else:
             _declare(module, instruction)
         at += count
-        module.instructions += 1
     for id_, (_, storage) in module.variables.items():  # a module without names
         number = module.decorations.get(id_, {}).get(Decoration.Location)
         if number and storage in (StorageClass.Input, StorageClass.Output):
             module.names.setdefault(id_, f"{StorageClass(storage).name.lower()}{number[0]}")
     return module
+
+
+def count_instructions(data: bytes) -> int:
+    """Return how many instructions a module has; the first word of each says how long it is."""
+    words = struct.unpack(f"{len(data) // 4}I", data)
+    at, count = 5, 0
+    while at < len(words):
+        at, count = at + max(words[at] >> 16, 1), count + 1
+    return count
 
 
 _BUILT_IN = {
