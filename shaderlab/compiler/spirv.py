@@ -239,7 +239,8 @@ def count_instructions(data: bytes) -> int:
     words = struct.unpack(f"{len(data) // 4}I", data)
     at, count = 5, 0
     while at < len(words):
-        at, count = at + max(words[at] >> 16, 1), count + 1
+        at += words[at] >> 16 or 1
+        count += 1
     return count
 
 
