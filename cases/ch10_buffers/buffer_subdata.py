@@ -24,7 +24,7 @@ from shaderlab.engine.expectations.gl_call import Object, call
 from ..scenes.api import ONE_PIXEL, answers, sent
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
-from ..scenes.flat_figures import memory_map
+from ..scenes.flat_figures import memory_map, squares_check
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged
 from ..scenes.rosette import LIGHT, encoded, rosette, rosette_checks, window
@@ -68,6 +68,7 @@ case = Case(
     columns=("after the first piece", "after the second", "drawn"),
     expect=[
         enlarged_check(),
+        squares_check(128),
         *each_draw("small.FragColor", encoded, enumerate(("one piece", "two pieces", "drawn"))),
         attribute_layout(
             {"aPos": (0, 12), "aColor": (84, 12)}, name="positions at 0, colours at 84"

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab import Draw, Mesh, Pass
+from shaderlab import Draw, Mesh, Pass, measure
 
 from .panel_checks import smaller_check, softened_check
 from .panels import picture, softened_pass
@@ -97,6 +97,24 @@ def memory_map(mesh: Mesh, columns: int = 6, top: int = 48) -> Mesh:
     return _flat(parts, {})
 
 
+def squares_check(columns: int) -> Any:
+    """Squares that fill whole pixels of "small" are as sharp in "picture", which is enlarged: in so
+    many columns of pixels, counted in the small one.
+
+    >>> squares_check(128).name
+    'no square is a pixel off'
+    """
+    return measure(
+        "no square is a pixel off",
+        _share_off,
+        reads={"large": "picture.FragColor", "small": "small.FragColor"},
+        given={"columns": columns},
+        equals=0.0,
+        digits=9,
+        own_types=True,
+    )
+
+
 def pictured(draws: Iterable[Draw], size: tuple[int, int], clear: Any) -> tuple[Pass, ...]:
     """Passes "scene" and "picture", with smooth edges, for people, and a sixth as large "judged".
 
@@ -125,6 +143,13 @@ def pictured_checks(edges: float = 0.0) -> list[Any]:
     ['four texels a pixel', 'the large scene shows what the judged one does']
     """
     return [softened_check(), smaller_check(edges=edges)]
+
+
+def _share_off(large: Any, small: Any, columns: int) -> float:
+    """The share of pixels that are not as the small one that they stand for."""
+    by, columns = len(large) // len(small), int(columns)
+    blocks = small[:, :columns].repeat(by, axis=0).repeat(by, axis=1)
+    return float(np.mean(np.abs(large[:, : by * columns] - blocks) > 0.5 / 255.0))
 
 
 def _flat(parts: Any, memory: dict[str, Any]) -> Mesh:
