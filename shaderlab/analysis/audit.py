@@ -19,9 +19,16 @@ import numpy as np
 from shaderlab.model.frame import Array
 
 from .answer import format_inputs
-from .batches import InputBatch, asks_for_neighbours, merge_batches, mix_batches, run_batch
+from .batches import (
+    InputBatch,
+    asks_for_neighbours,
+    merge_batches,
+    mix_batches,
+    run_batch,
+    run_ending,
+)
 from .checks import INDEX, OVERFLOW, Place, WatchedInstruction, Watcher
-from .hazards import Audit as Audit, Claim, Hazard as Hazard, Plan as Plan, Spread
+from .hazards import Audit as Audit, Claim, Hazard as Hazard, Plan as Plan
 from .inputs import (
     Input,
     InputDomain,
@@ -40,8 +47,8 @@ from .proof import BOXES, Point, Proof
 from .undefined import (
     divergent,
     find_dependents,
-    find_written_outputs,
     hazard_at,
+    outputs_at,
     sine_hashes,
     undefined_values,
 )
@@ -110,10 +117,14 @@ def search_inputs(
     # range.
     tried, domains = batch, {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
-        tried = first_batch(inputs, domains, plan.count)
+        more = first_batch(inputs, domains, plan.count)  # of which loops may go on for too long
+        ended, _ = run_ending(
+            [program], lambda b: (b, find_failing(program, b, made_up=True)), more
+        )
+        tried, failing = ended or (batch, {})
         found |= {
             place: Point(tried, int(one.bad.argmax()), one)
-            for place, one in find_failing(program, tried, made_up=True).items()
+            for place, one in failing.items()
             if place not in found and (place not in proof.reached or "0" in place.kind)
         }
     return found, batch, tried, proof
@@ -139,7 +150,7 @@ def audit_program(
             for batch in batches
             for place, one in find_failing(program, batch).items()
         ]
-        tried, others = sum(batch.count for batch in batches), batches[0]
+        tried, others, needles = sum(batch.count for batch in batches), batches[0], []
         words = dict.fromkeys(inputs, "as in the case")
         if plan.prove:
             proof = prove_between_draws(program, inputs, captured)
@@ -149,7 +160,8 @@ def audit_program(
         domains = domains_of(inputs, [program], plan.ranges)
         found, first, others, proof = search_inputs(program, inputs, domains, plan)
         examples, tried = list(found.items()), proof.tried
-        batches = [first.part(np.arange(plan.count))]
+        has_whole = any(one.whole for one in inputs.values())
+        batches, needles = [first], [others] if has_whole and others is not first else []
         words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
     hazards = [h for pair in examples for h in _hazards(program, *pair, inputs, domains, others)]
     claims: list[Claim] = []
@@ -157,13 +169,11 @@ def audit_program(
         claims = [*proof.claims(), *proof.refuted_claims()]
     elif plan.prove:
         claims = list(_claims(program, found, proof, hazards))
-    spreads: list[Spread] = []
-    for batch in batches:
+    spreads = [s for b in batches if plan.precision for s in find_spreads(program, b, inputs)]
+    for batch in (*batches, *needles):
         hazards += undefined_values(program, batch, inputs)
         hazards += sine_hashes(program, batch, inputs)
         hazards += divergent(program, batch, inputs, domains)
-        if plan.precision:
-            spreads += find_spreads(program, batch, inputs)
     if plan.confirm is not None:
         hazards = [plan.confirm(program, hazard) for hazard in hazards]
     return Audit(
@@ -198,9 +208,8 @@ def _claims(
             yield Claim(file=file, line=line, what=f"no {place.kind}", status="open", note=note)
     for place, (batch, row, watched) in proof.points.items():
         if watched is None and not hazards:
-            some, at = batch.alone(row, program)
-            values = {n: v[at] for n, v in find_written_outputs(program, some).items()}
-            own = {n: tuple(map(float, v)) for n, v in values.items() if not np.isfinite(v).all()}
+            values = outputs_at(program, batch, row)
+            own = {n: v for n, v in values.items() if not np.isfinite(v).all()}
             inputs, words = batch.example(row, batch.each), f"refuted: {place.kind}"
             hazards.append(
                 Hazard(
@@ -217,9 +226,8 @@ def _hazards(
     """The hazard about an instruction; none where no output depends on its result. Of inputs that
     were searched, with the `domains`, it says what is special about them."""
     for batch, one in _alternatives(program, place, point, domains, others):
-        origins = np.full(batch.count, RANDOM)
-        if domains is not None:
-            origins = find_origins(batch, inputs, domains)
+        nothing = np.full(batch.count, RANDOM)
+        origins = nothing if domains is None else find_origins(batch, inputs, domains)
         rows = np.flatnonzero(one.bad)
         rows = rows[np.argsort(origins[rows], kind="stable")]
         row, outputs = find_dependents(program, batch, rows, place)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,9 +13,12 @@ from shaderlab.compiler.spirv import Op
 from shaderlab.model.frame import Array, Bindings, Fragments, Samples
 
 from .interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
+from .interpreter.running import EndlessError
 
 DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
 _HUGE = float(np.finfo(np.float32).max)
+_TRIES = 4  # to leave out what goes on for too long
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +88,25 @@ def run_batch(
     of `interpret`."""
     options = {"unwritten": True, **options}
     return interpret(program, batch.each, batch.bindings, arithmetic, count=batch.count, **options)
+
+
+def run_ending(
+    programs: Iterable[Program], act: Callable[[InputBatch], _T], batch: InputBatch
+) -> tuple[_T | None, int]:
+    """What a function gives for a batch, but for invocations for which a program goes on for too
+    long, and how many those are; None where that is so for all, or for others again and again."""
+    count = batch.count
+    for _ in range(_TRIES):
+        try:
+            return act(batch), count - batch.count
+        except EndlessError as error:
+            going = np.asarray(error.invocations.reshape(-1, batch.count).any(axis=0))
+        for program in programs:
+            going[batch.rows_with(np.flatnonzero(going), program)] = True
+        batch = batch.part(np.flatnonzero(~going))
+        if not batch.count:
+            break
+    return None, count
 
 
 def flatten_outputs(outputs: Mapping[str, Any], finite: bool = True) -> list[tuple[str, Array]]:

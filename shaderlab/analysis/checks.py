@@ -339,7 +339,7 @@ TEXEL = replace(INDEX, kind="texel out of range", words=_fetched("coordinate"))
 LEVEL = replace(INDEX, kind="level out of range", words=_fetched("level or sample"))
 """Of what `texelFetch` is given."""
 
-_SIZES = (Op.ImageQuerySizeLod, Op.ImageQuerySize, Op.ImageQueryLevels)
+_SIZES = (Op.ImageQuerySizeLod, Op.ImageQuerySize)
 _LEVELS = 15
 _SIDES = 1 << np.arange(_LEVELS)[::-1, None]
 """A texture's size at each level, if it is as large as drivers must support (OpenGL 4.6, table
@@ -347,11 +347,9 @@ _SIDES = 1 << np.arange(_LEVELS)[::-1, None]
 
 
 def _largest(run: Run, at: Instruction, result: Integer) -> Integer:
-    """The size or the levels of the largest texture, in place of those of another one."""
-    if at.op == Op.ImageQueryLevels:
-        return Integer([[_LEVELS]], unsigned=result.unsigned)
-    level = run.value(at.operands[1]).lo[:, 0] if len(at.operands) > 1 else np.zeros(1, np.int64)
-    sides = _SIDES[np.clip(level, 0, _LEVELS - 1)]
+    """The size of the largest texture, in place of another one's."""
+    level = run.value(at.operands[1]).lo if len(at.operands) > 1 else np.zeros((1, 1), np.int64)
+    sides = _SIDES[np.clip(level[:, 0], 0, _LEVELS - 1)]
     return Integer(np.repeat(sides, result.shape[1], axis=1), unsigned=result.unsigned)
 
 

@@ -32,7 +32,7 @@ from shaderlab.errors import UsageError, in_file
 from shaderlab.files import display_path
 
 from .answer import Answer, Numerics, OutputAnswer, Plan as Plan
-from .batches import InputBatch, merge_batches
+from .batches import InputBatch, merge_batches, run_ending
 from .coverage import lines_not_run
 from .differences import PAIRS, discards, first_difference, jumps, keep_defined, meet_bounds
 from .inputs import (
@@ -50,7 +50,6 @@ from .inputs import (
 )
 from .interpreter import Program, adopt_names
 from .interpreter.running import EndlessError
-from .interpreter.values import Flags
 from .noise import Compared, Ran, compare, confirm, run
 from .portability import MOST, bands_of, compare_accuracy, find_costs
 from .requests import ShaderOfFile
@@ -63,7 +62,6 @@ _FIXED = {"std140", "std430"}  # the layouts of blocks that don't depend on the 
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _SHORT, _LONG = 300, 3000  # blocks: programs that run more get fewer invocations, and rounds
 _LEAST, _ROUNDS, _FEWEST = 256, 5, 24
-_TRIES = 4  # to leave out what goes on for too long
 _T = TypeVar("_T")
 
 
@@ -108,23 +106,16 @@ def compare_programs(
     if captured:
         captured = merge_batches(captured, old, plan.count)
         domains = learn_domains(captured)
-
-        def make(domains: Mapping[str, InputDomain], seed: int, count: int) -> InputBatch:
-            return vary_inputs(captured[seed % len(captured)], domains, seed)
     else:
         domains = domains_of(inputs, (old, new), plan.ranges)
-
-        def make(domains: Mapping[str, InputDomain], seed: int, count: int) -> InputBatch:
-            return sample_inputs(inputs, domains, count, seed)
-
-    comparison = _Comparison((old, new), inputs, domains, make, plan)
+    comparison = _Comparison((old, new), inputs, domains, captured, plan)
     try:
-        outputs = tuple(comparison.outputs(captured))
+        outputs = tuple(comparison.outputs())
         if not captured:
             comparison, outputs = _assume_quaternions(comparison, outputs)
     except EndlessError as error:
-        free = {n.partition("[")[0]: 0 for n, d in domains.items() if _is_open(n, d)}
-        if free:
+        numbers = (n for n, d in domains.items() if (d.source, d.kind) == ("assumed", "number"))
+        if free := dict.fromkeys(n.partition("[")[0] for n in numbers if n[:3] != "gl_"):
             error.remedy = f"state ranges for which it ends, of {', '.join(free)}: --range NAME=A:B"
         raise
     outputs = *outputs, *_compare_interfaces(old, new)
@@ -136,10 +127,6 @@ def compare_programs(
     return Answer(old=old.path, new=new.path, outputs=outputs, notes=notes, inputs=words)
 
 
-def _is_open(name: str, domain: InputDomain) -> bool:
-    return domain.source == "assumed" and domain.kind == "number" and name[:3] != "gl_"
-
-
 def _assume_quaternions(
     comparison: _Comparison, outputs: tuple[OutputAnswer, ...]
 ) -> tuple[_Comparison, tuple[OutputAnswer, ...]]:
@@ -149,7 +136,7 @@ def _assume_quaternions(
     turn = {n: UNIT_VECTOR for n in vec4s if comparison.domains[n].source == "assumed"}
     if turn and any(2 * output.different > output.judged for output in outputs):
         turning = replace(comparison, domains={**comparison.domains, **turn}, _freed={})
-        found = tuple(turning.outputs(()))
+        found = tuple(turning.outputs())
         if all(o.same for o in found) and any(o.conditions for o in found):
             return turning, found
     return comparison, outputs
@@ -200,7 +187,7 @@ class _Comparison:
     programs: tuple[Program, Program]
     inputs: Mapping[str, Input]
     domains: Mapping[str, InputDomain]
-    make: Callable[[Mapping[str, InputDomain], int, int], InputBatch]
+    captured: Sequence[InputBatch]
     plan: Plan
     _in_bands: tuple[Mapping[str, Any] | None, ...] = ()
     _labels: tuple[set[int], set[int]] = field(default_factory=lambda: (set(), set()))
@@ -208,20 +195,20 @@ class _Comparison:
     _blocks: int = _SHORT  # the most that a program ran
     _endless: int = 0  # invocations that were left out
 
-    def outputs(self, captured: Sequence[InputBatch]) -> Iterator[OutputAnswer]:
+    def outputs(self) -> Iterator[OutputAnswer]:
         """An answer for each output, on captured inputs and on rounds of others."""
         sets: list[_Set] = []
         pairs: list[tuple[str, str]] = []
-        if not captured:
-            few = self.make(self.domains, 0, _LEAST)
+        if not self.captured:
+            few = sample_inputs(self.inputs, self.domains, _LEAST, 0)
             self._blocks = max(_SHORT, *(run(one, few, 0).blocks for one in self.programs))
-        for batch in self._inputs(captured):
+        for batch in self._inputs():
             sets.append(self._run(batch))
             pairs = self._names(sets)
             if all(self._is_settled(sets, *pair) for pair in pairs):
                 break
         else:
-            if not captured and self.plan.rounds:
+            if not self.captured and self.plan.rounds:
                 domains = add_constants(self.domains, self.inputs, self.programs)
                 for batch in self._split_long(self._make(domains, self.plan.rounds + 1)):
                     sets += self._end(self._run, batch)
@@ -236,12 +223,12 @@ class _Comparison:
                 answer = self._add_conditions(answer, name, other)
             yield answer
 
-    def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
+    def _inputs(self) -> Iterator[InputBatch]:
         """Captured inputs, rounds of others, and both sides of jumps between those."""
         batch = None
         count = min(self.plan.rounds, max(_ROUNDS * _LONG // self._blocks, 1))
         rounds = (self._make(self.domains, seed) for seed in range(count))
-        for batch in itertools.chain(captured, rounds):
+        for batch in itertools.chain(self.captured, rounds):
             yield batch
         if batch is not None and self.plan.rounds:
             coarse = coarsen_inputs(batch, self.domains)
@@ -254,8 +241,10 @@ class _Comparison:
 
     def _make(self, domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
         """Other inputs; of generated ones fewer where the programs run long, in whole quads."""
+        if self.captured:
+            return vary_inputs(self.captured[seed % len(self.captured)], domains, seed)
         count = max(self.plan.count * _SHORT // self._blocks // 128 * 128, _LEAST)
-        return self.make(domains, seed, min(count, self.plan.count))
+        return sample_inputs(self.inputs, domains, min(count, self.plan.count), seed)
 
     def _split_long(self, batch: InputBatch) -> Iterator[InputBatch]:
         """The invocations whose integers lie within their domains, and the others: loops of those
@@ -281,22 +270,9 @@ class _Comparison:
         return keep_defined(self.programs, batch)
 
     def _end(self, act: Callable[[InputBatch], _T], batch: InputBatch) -> Iterator[_T]:
-        """What a function gives for a batch, but for invocations for which a program goes on for
-        too long; nothing where that is so for all, or for others again and again."""
-        for _ in range(_TRIES):
-            try:
-                yield act(batch)
-                return
-            except EndlessError as error:
-                by_run = error.invocations.reshape(-1, batch.count)
-                going: Flags = np.logical_or.reduce(by_run, axis=0)
-            for program in self.programs:
-                going[batch.rows_with(np.flatnonzero(going), program)] = True
-            self._endless += int(going.sum())
-            batch = batch.part(np.flatnonzero(~going))
-            if not batch.count:
-                return
-        self._endless += batch.count
+        found, left = run_ending(self.programs, act, batch)
+        self._endless += left
+        yield from () if found is None else (found,)
 
     def notes(self) -> Iterator[str]:
         """Which lines no input came to, of those that were tried; numbers that nearly agree."""

@@ -344,6 +344,13 @@ def find_written_outputs(
     }
 
 
+def outputs_at(program: Program, batch: InputBatch, row: int) -> dict[str, tuple[float, ...]]:
+    """What one invocation writes, by output, but for whether it is discarded."""
+    some, own = batch.alone(row, program)
+    written = find_written_outputs(program, some)
+    return {n: tuple(map(float, v[own])) for n, v in written.items() if n != "discard"}
+
+
 def find_dependents(
     program: Program, batch: InputBatch, rows: Array, place: Place
 ) -> tuple[int, dict[str, Array]]:

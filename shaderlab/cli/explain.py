@@ -136,13 +136,8 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> Call:
             raise UsageError(
                 f"{facts.id} has no variant {variant!r}", remedy=suggest(variant, facts.variants)
             )
-    options = RunOptions(
-        size=arguments.size,
-        driver=arguments.driver,
-        include=arguments.includes,
-        limits=arguments.limits,
-    )
     a = arguments
+    options = RunOptions(size=a.size, driver=a.driver, include=a.includes, limits=a.limits)
     given = (Path(facts.file), variant, a.pass_name, a.draw, a.pixel, options)
     return Call("shaderlab.analysis.explain:explain_in_case", given)
 

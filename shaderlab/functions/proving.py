@@ -20,7 +20,7 @@ from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.interpreter.interpret import interface_name
 from shaderlab.analysis.proof import BOXES, Condition, Proof
 from shaderlab.analysis.requests import AuditFile
-from shaderlab.analysis.undefined import find_written_outputs
+from shaderlab.analysis.undefined import outputs_at
 from shaderlab.bands import Band
 from shaderlab.bands.exact import DECIDING
 from shaderlab.compiler.spirv import StorageClass, type_name
@@ -56,9 +56,7 @@ def prove_law(function: Function, law: Any, ranges: Mapping[str, Any]) -> Outcom
     message = "; ".join(str(one) for one in proof.claims() if one.status == "open")
     for batch, row, _ in proof.points.values():
         example = batch.example(row, inputs)
-        some, own = batch.alone(row, program)
-        values = find_written_outputs(program, some)
-        shown = {n: tuple(map(float, v[own])) for n, v in values.items() if n != "discard"}
+        shown = outputs_at(program, batch, row)
         found = Hazard(file="", line=0, kind="", message="", inputs=example, outputs=shown)
         message = f"{signature} breaks the law with {format_inputs(example)}\n"
         message += f"    {format_inputs(shown)}\n    {_confirm(program, found).driver}"

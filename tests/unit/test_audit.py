@@ -212,6 +212,23 @@ def test_numbers_that_the_shader_names_are_tried(value: str, hazards: int) -> No
 
 
 @pytest.mark.parametrize(
+    ("body", "hazards"),
+    [
+        ("float v; if (id != 777) v = y; o = v;", 1),
+        ("if (id != 777) o = y;", 1),
+        ("o = id == 777 ? fract(sin(y * 91.7) * 43758.5) : 0.0;", 1),
+        ("o = 0.0; if (id == 777 && y > 0.5) o = dFdx(y * y);", 1),
+        ("o = id == 777 ? y : 0.0; for (int i = 0; i < id; ++i) o += y;", 0),
+        ("o = id == 100000 ? y : 0.0; for (int i = 0; i < id; ++i) o += y;", 0),  # 100,000 times
+    ],
+)
+def test_what_only_a_number_that_the_shader_names_shows(body: str, hazards: int) -> None:
+    text = f"uniform int id;\nin float y; // range: 0..1\nout float o;\nvoid main() {{ {body} }}"
+    source = Shaders([]).from_text(f"#version 330 core\n{text}", "fragment", "a.frag")
+    assert len(evident(audit_program(load(source)))) == hazards
+
+
+@pytest.mark.parametrize(
     ("declared", "value", "evident"),
     [
         ("in vec2 at; uniform sampler2D map;", "at.x > 0.5 ? texture(map, at).r : 0.0", [True]),
