@@ -359,16 +359,16 @@ def find_dependents(
     rows = rows[:_MOST_ROWS]
     kept = np.unique(batch.rows_with(rows, program))
     some, own = batch.part(kept), np.searchsorted(kept, rows)
-    plain = find_written_outputs(program, some)
     others = [find_written_outputs(program, some, _Replacing(place, None))]
     for value in _TRIED:
         with suppress(EndlessError):
             others.append(find_written_outputs(program, some, _Replacing(place, value)))
-    differs = {name: _differs(name, others)[own] for name in plain}
+    differs = {name: _differs(name, others)[own] for name in others[0]}
     first = int(np.logical_or.reduce(list(differs.values())).argmax())
-    return int(rows[first]), {
-        name: plain[name][own[first]] for name, flags in differs.items() if flags[first]
-    }
+    names = [name for name, flags in differs.items() if flags[first]]
+    some, at = batch.alone(int(rows[first]), program)
+    plain = find_written_outputs(program, some) if names else {}
+    return int(rows[first]), {name: plain[name][at] for name in names}
 
 
 def hazard_at(
