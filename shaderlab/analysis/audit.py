@@ -145,11 +145,8 @@ def audit_program(
     inputs, domains = inputs_of(program), None
     if captured:
         batches = merge_batches(captured, program, _MAX_CAPTURED)
-        examples = [
-            (place, Point(batch, 0, one))
-            for batch in batches
-            for place, one in find_failing(program, batch).items()
-        ]
+        failing = [(batch, find_failing(program, batch)) for batch in batches]
+        examples = [(p, Point(batch, 0, one)) for batch, own in failing for p, one in own.items()]
         tried, others, needles = sum(batch.count for batch in batches), batches[0], []
         words = dict.fromkeys(inputs, "as in the case")
         if plan.prove:
