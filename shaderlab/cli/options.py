@@ -19,27 +19,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from shaderlab import files
 from shaderlab.analysis import CHECKING_WORK
 from shaderlab.cli import FAILED, OK, USAGE
-from shaderlab.engine.jobs import (
-    FILE_WORK,
-    WORDS,
-    Executor,
-    InProcessExecutor,
-    ProcessExecutor,
-    check_driver,
-    describe_failure,
-)
+from shaderlab.engine import jobs
 from shaderlab.errors import ShaderlabError, UsageError, suggest
-from shaderlab.files import (
-    REPORT_MARK,
-    claim_folder,
-    display_path,
-    read_regular,
-    replace_file,
-    suggest_limit,
-    write_named,
-)
 from shaderlab.model.options import Limits
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
@@ -67,7 +51,7 @@ JSON = click.option(
 DRIVER = click.option(
     "--driver",
     metavar="NAME",
-    callback=lambda context, option, name: name if name is None else check_driver(name),
+    callback=lambda context, option, name: name if name is None else jobs.check_driver(name),
     help="OpenGL: llvmpipe, softpipe, llvmpipe-spirv (loads SPIR-V modules) or default (the "
     "machine's own driver); Vulkan: lavapipe, swiftshader or vulkan (the machine's own); webgl2 "
     "for headless Chromium.  [default: llvmpipe]",
@@ -89,7 +73,7 @@ def report_option(help: str) -> Callable[[Command], Command]:
     return click.option("--report", "folder", metavar="DIR", help=help)
 
 
-def jobs_option(default: str = WORDS) -> Callable[[Command], Command]:
+def jobs_option(default: str = jobs.WORDS) -> Callable[[Command], Command]:
     """Add `--jobs N`, given as `workers`; None leaves the number to the lab."""
     return click.option(
         "-j", "--jobs", "workers", type=click.IntRange(min=0),
@@ -137,23 +121,23 @@ def make_executor(
     *,
     early: bool = True,
     files_only: bool = False,
-) -> Executor:
+) -> jobs.Executor:
     """Return an executor on this machine: in this process for 0 workers. `files_only` if it is
     asked about shader files alone, which takes no driver."""
-    work = FILE_WORK if files_only else CHECKING_WORK
+    work = jobs.FILE_WORK if files_only else CHECKING_WORK
     if workers == 0:
-        return InProcessExecutor(driver, work)
-    return ProcessExecutor(driver, limits, workers, early=early and not files_only, work=work)
+        return jobs.InProcessExecutor(driver, work)
+    return jobs.ProcessExecutor(driver, limits, workers, early=early and not files_only, work=work)
 
 
-def perform_one(executor: Executor, request: Any) -> Any:
+def perform_one(executor: jobs.Executor, request: Any) -> Any:
     """Return the result of one request. Raises ShaderlabError."""
     (result,) = executor.perform([request])
     if isinstance(result.value, ShaderlabError):
         raise result.value
     if result.status != "done":
         ranges = ", or state ranges for shorter loops: --range NAME=A:B"
-        raise ShaderlabError(describe_failure(result) + ranges * (result.status == "timeout"))
+        raise ShaderlabError(jobs.describe_failure(result) + ranges * (result.status == "timeout"))
     return result.value
 
 
@@ -200,8 +184,8 @@ def resolve_shaders(
         folder = path if path.is_dir() else path.parent
         own = load_settings(folder).shader_folders(folder)
         folders = tuple(str(then(f) if then else f) for f in [*includes, *own, shipped])
-        files = find_shaders([then(path) if then else path], [shipped])
-        found += [ShaderOfFile(file, folders) for file in files]
+        shaders = find_shaders([then(path) if then else path], [shipped])
+        found += [ShaderOfFile(file, folders) for file in shaders]
     return found
 
 
@@ -210,10 +194,10 @@ def note_other_languages(paths: Iterable[Path]) -> None:
     from shaderlab.compiler.shader_files import find_other_languages
 
     for path in filter(Path.is_dir, paths):
-        if files := find_other_languages(path):
-            others = f" and {len(files) - 1} more" if files[1:] else ""
-            text = f"shaderlab: not read, another language: {display_path(files[0])}{others}"
-            click.echo(text, err=True)
+        if others := find_other_languages(path):
+            more = f" and {len(others) - 1} more" if others[1:] else ""
+            first = files.display_path(others[0])
+            click.echo(f"shaderlab: not read, another language: {first}{more}", err=True)
 
 
 FILE_NAME = "records.jsonl"
@@ -231,7 +215,7 @@ def make_run_folder(parent: Path = REPORTS) -> Path:
         folder = parent / next(names)
         try:
             folder.mkdir(parents=True)
-            (folder / REPORT_MARK).touch()
+            (folder / files.REPORT_MARK).touch()
             return folder
         except FileExistsError:
             if not parent.is_dir():
@@ -244,7 +228,7 @@ def make_report_folder(folder: Path) -> Path:
     """Make the folder of `--report`, which may exist already. Raises UsageError: it can't be made,
     or has files of others."""
     try:
-        claim_folder(folder)
+        files.claim_folder(folder)
     except OSError as error:
         raise _unwritable_error(folder, error, "name another folder") from error
     mark_named(folder)
@@ -253,7 +237,7 @@ def make_report_folder(folder: Path) -> Path:
 
 def point_latest(folder: Path) -> None:
     """Point `latest` beside `folder` to it, where the file system has symbolic links."""
-    with contextlib.suppress(OSError), replace_file(folder.parent / LATEST) as link:
+    with contextlib.suppress(OSError), files.replace_file(folder.parent / LATEST) as link:
         link.symlink_to(folder.name, target_is_directory=True)
 
 
@@ -359,7 +343,7 @@ def write_output(text: str, file: str, *, append: bool = False) -> None:
     else:
         require_output_of_kind(Path(file), text)
     try:
-        write_named(file, text.encode("utf-8", errors="replace"), append=append)
+        files.write_named(file, text.encode("utf-8", errors="replace"), append=append)
     except OSError as error:
         raise _unwritable_error(Path(file), error) from error
 
@@ -368,11 +352,11 @@ def require_output_of_kind(path: Path, text: str) -> None:
     """Raise UsageError where a text would replace a file that is not of its kind, such as a shader
     that was named by mistake, or the record of a run."""
     try:
-        there = read_regular(path, 200).decode("utf-8", "replace")
+        there = files.read_regular(path, 200).decode("utf-8", "replace")
     except OSError:  # nothing, a terminal, or what can't be written either
         return
     old, new = map(_kind, (there, text))
-    own = path.name == "run.json" and (path.parent / REPORT_MARK).exists()
+    own = path.name == "run.json" and (path.parent / files.REPORT_MARK).exists()
     if own or (there and not old.startswith(new) and not new.startswith(old)):
         raise UsageError(
             "this file is no earlier output of this kind, and would be replaced",
@@ -388,7 +372,7 @@ def _kind(text: str) -> str:
 
 def _unwritable_error(path: Path, error: OSError, remedy: str | None = None) -> UsageError:
     said = "nothing reads from it" if error.errno == errno.ENXIO else error.strerror or error
-    remedy = suggest_limit(error, remedy)
+    remedy = files.suggest_limit(error, remedy)
     return UsageError(f"can't write here: {said}", file=path, remedy=remedy)
 
 

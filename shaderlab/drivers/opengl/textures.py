@@ -30,18 +30,8 @@ from shaderlab.model.textures import (
 )
 
 from ..gl_state import sampler_calls
+from ..programs import textures
 from ..programs.storage import image_output
-from ..programs.textures import (
-    DEPTH,
-    Blocks,
-    Contents,
-    find_image,
-    format_of,
-    load_blocks,
-    split_layers,
-    texture_contents,
-    texture_kind,
-)
 from ..resources import COVERING, DeviceTexels, SceneTextures
 from .buffers import write_mapped
 from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, apply_state, gl_constant, resolve_call
@@ -90,10 +80,10 @@ def transfer(word: str) -> Transfer:
     >>> hex(transfer("rgba8").internal), hex(transfer("depth24").components)
     ('0x8058', '0x1902')
     """
-    kind = format_of(word)
+    kind = textures.format_of(word)
     components = _COMPONENTS[kind.components - 1] + "_integer" * kind.integer
     internal = word
-    if word in DEPTH:
+    if word in textures.DEPTH:
         components = "depth_component"
         internal = word if kind.stencil else word.replace("depth", "depth_component")
     return Transfer(gl_constant(internal), gl_constant(components), gl_constant(_TYPES[kind.numpy]))
@@ -130,7 +120,7 @@ class DeviceTexture:
 
 
 def upload(
-    device: Device, kind: str, format: str, images: Contents, *, mapped: bool = False
+    device: Device, kind: str, format: str, images: textures.Contents, *, mapped: bool = False
 ) -> DeviceTexture:
     """A texture with these images; `mapped` writes those of a plane through a pixel buffer. Raises
     UnsupportedError: it is too large for the driver."""
@@ -189,7 +179,7 @@ def _pixel_buffer(texels: Array) -> Iterator[ctypes.c_void_p]:
         GL.glDeleteBuffers(1, np.array([name], np.uint32))
 
 
-def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, list[Array]]:
+def upload_compressed(device: Device, blocks: textures.Blocks) -> tuple[DeviceTexture, list[Array]]:
     """A texture of these blocks, and each level as samplers decode it: codes (height, width, 4).
     Raises UnsupportedError: the driver lacks the format."""
     internal, extension, version = COMPRESSED[blocks.format]
@@ -219,7 +209,7 @@ def read_level(
     """One level as it is on the device: (height, width, channels), or of an array or a cube
     (layers, height, width, channels). `size` is the level's (width, height, layers)."""
     width, height, count = size
-    form, kind = transfer(format), format_of(format)
+    form, kind = transfer(format), textures.format_of(format)
     values = np.empty((count, height, width, kind.components), kind.numpy)
     cube = texture.kind == "Cube"
     GL.glBindTexture(texture.target, texture.glo)
@@ -274,7 +264,7 @@ class BoundTextures(SceneTextures[Any]):
         return True
 
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
-        image = find_image(source, self.images)
+        image = textures.find_image(source, self.images)
         target = self.targets[source.pass_name]
         texture = target.texture(source.name, sampled=kind == "2DMS")
         if kind == "2DMS":
@@ -288,27 +278,29 @@ class BoundTextures(SceneTextures[Any]):
 
     def upload(self, source: TextureSource) -> DeviceTexels:
         if isinstance(source, CompressedTexture):
-            texture, levels = upload_compressed(self._device, load_blocks(source, self.folder))
+            texture, levels = upload_compressed(
+                self._device, textures.load_blocks(source, self.folder)
+            )
             self._stack.callback(texture.release)
             return DeviceTexels(source, texture, "rgba8", levels[0], tuple(levels[1:]))
         if isinstance(source, Output):
-            image = find_image(source, self.images)
-            kind, format = texture_kind(source, "", 0, image.layers), image.format
-            images = split_layers(image)
+            image = textures.find_image(source, self.images)
+            kind, format = textures.texture_kind(source, "", 0, image.layers), image.format
+            images = textures.split_layers(image)
         else:
-            kind, format = texture_kind(source, "", 0), source.format
-            images = texture_contents(source, self.folder, self.images)
+            kind, format = textures.texture_kind(source, "", 0), source.format
+            images = textures.texture_contents(source, self.folder, self.images)
         mapped = isinstance(source, Texture) and source.upload == "map"
         texture = upload(self._device, kind, format, images, mapped=mapped)
         self._stack.callback(texture.release)
         values = images.layers[0] if kind == "2D" else np.stack(images.layers)
         smaller = tuple(images.smaller)
-        if format in DEPTH:  # rounded to its codes on the way
+        if format in textures.DEPTH:  # rounded to its codes on the way
             height, width = images.layers[0].shape[:2]
             values = read_level(texture, format, 0, (width, height, len(images.layers)))
         if source.mipmaps is True:
             generate_levels(texture)
-        if source.mipmaps is True or (smaller and format in DEPTH):
+        if source.mipmaps is True or (smaller and format in textures.DEPTH):
             smaller = _read_smaller(texture, format, values)
         return DeviceTexels(source, texture, format, values, smaller)
 
@@ -349,7 +341,7 @@ def bind_images(
         if location < 0:
             continue
         layers = [image.values] if image.kind == "2D" else list(image.values)
-        texture = upload(device, image.kind, image.format, Contents(layers))
+        texture = upload(device, image.kind, image.format, textures.Contents(layers))
         stack.callback(texture.release)
         # A texture whose levels end above what its filter reads counts as incomplete.
         GL.glBindTexture(texture.target, texture.glo)
@@ -364,15 +356,15 @@ def bind_images(
 
 
 def read_images(
-    textures: Mapping[str, DeviceTexture], before: Mapping[str, Texels]
+    made: Mapping[str, DeviceTexture], before: Mapping[str, Texels]
 ) -> dict[str, Image]:
     """Read what the images hold now, as outputs; of one without any effect what it held before."""
     left = {}
     for name, image in before.items():
-        if name in textures:
+        if name in made:
             height, width = image.values.shape[-3:-1]
             count = 1 if image.kind == "2D" else len(image.values)
-            values = read_level(textures[name], image.format, 0, (width, height, count))
+            values = read_level(made[name], image.format, 0, (width, height, count))
             image = replace(image, values=values)
         left[name] = image_output(image)
     return left

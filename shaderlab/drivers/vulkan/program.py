@@ -35,12 +35,7 @@ from shaderlab.model.state import (
     Stencil,
 )
 
-from ..programs.module_texts import (
-    apply_coord_layout,
-    assign_locations,
-    compile_to_modules,
-    make_sources,
-)
+from ..programs import module_texts
 from ..programs.textures import COLOR
 from ..resources import ProgramCache
 from .device import NULL, Device, Resources, Structs, check, constant, ffi, lib
@@ -69,13 +64,13 @@ _POINT = re.compile(r"\bgl_PointCoord\b")
 def adapt_fragment(text: str) -> str:
     """Return a fragment shader's text as Vulkan is to get it; it may have a uniform HEIGHT more."""
     text = _POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text)
-    return assign_locations(apply_coord_layout(text))
+    return module_texts.assign_locations(module_texts.apply_coord_layout(text))
 
 
 def compile_modules(sources: Sequence[Source]) -> Mapping[str, bytes]:
     """Return a program's modules by stage. Raises ShaderError: it is no GLSL; UnsupportedError: it
     is GLSL, but none that can be made into modules for Vulkan."""
-    return compile_to_modules(sources, "vulkan", "Vulkan").spirv["vulkan"]
+    return module_texts.compile_to_modules(sources, "vulkan", "Vulkan").spirv["vulkan"]
 
 
 def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
@@ -313,7 +308,7 @@ class Linker(ProgramCache[Program]):
 
         def linked() -> Program:
             with phase("compile"):
-                modules = compile_modules(make_sources(texts, known))
+                modules = compile_modules(module_texts.make_sources(texts, known))
             with phase("link"):
                 return Program(self.device, modules)
 

@@ -8,26 +8,8 @@ from collections.abc import Iterable
 from itertools import groupby
 
 from shaderlab.model.records import Outcome, Record, Run
+from shaderlab.report import grouping, text
 from shaderlab.report.comparison import AGREEMENTS, compare_drivers
-from shaderlab.report.grouping import (
-    PASSABLE,
-    STATUS_WORDS,
-    STATUSES,
-    CaseGroup,
-    count_totals,
-    group_cases,
-)
-from shaderlab.report.text import (
-    clean,
-    count,
-    duration,
-    figure,
-    format_conditions,
-    format_label,
-    format_unread,
-    plural,
-    short,
-)
 
 _SIGNS = {"pass": "✅", "unsupported": "➖"}
 # GitHub cuts summaries off at 1 MiB, and few people read this far.
@@ -39,70 +21,71 @@ def render(run: Run) -> str:
 
     Every string from a shader, a case or a driver is escaped: none of it is markup.
     """
-    cases = group_cases(run.records)
-    totals = count_totals(run, cases)
+    cases = grouping.group_cases(run.records)
+    totals = grouping.count_totals(run, cases)
     bad = totals.bad
     if not cases:
         verdict = "Nothing was run"
     elif bad:
-        verdict = f"{count(bad)} of {plural(len(cases), 'case')} did not pass"
+        verdict = f"{text.count(bad)} of {text.plural(len(cases), 'case')} did not pass"
     elif totals.expectations and totals.cases["pass"]:
-        verdict = f"{count(totals.cases['pass'])} of {plural(len(cases), 'case')} passed"
+        verdict = f"{text.count(totals.cases['pass'])} of {text.plural(len(cases), 'case')} passed"
     else:
         verdict = "Nothing was checked"
     if run.missing:
-        verdict += f", {plural(run.missing, 'variant')} not run: the run was interrupted"
+        verdict += f", {text.plural(run.missing, 'variant')} not run: the run was interrupted"
     if run.failing_drivers and not bad:
         verdict += f", not all on {', '.join(run.failing_drivers)}"
     good = "✅" if totals.good else "➖"
     sign = "❌" if bad or run.failing_drivers else "⚠️" if run.missing else good
     lines = [f"## {sign} {verdict}", ""]
-    lines += [f"{escape(line)}  " for line in format_conditions(run)]
+    lines += [f"{escape(line)}  " for line in text.format_conditions(run)]
     lines.append(
-        f"{plural(totals.judged, 'value')} judged, {count(totals.outside)} outside their band · "
-        f"{plural(totals.variants.total(), 'variant')} · {duration(run.seconds)} · "
+        f"{text.plural(totals.judged, 'value')} judged, "
+        f"{text.count(totals.outside)} outside their band · "
+        f"{text.plural(totals.variants.total(), 'variant')} · {text.duration(run.seconds)} · "
         f"{escape(run.driver.get('renderer', 'no driver'))}"
     )
     if totals.not_asked:
         lines.append(
-            f"  \n{plural(totals.not_asked, 'check')} of OpenGL's own calls skipped on this "
-            f"driver; {plural(totals.partly, 'case')} passed without them"
+            f"  \n{text.plural(totals.not_asked, 'check')} of OpenGL's own calls skipped on this "
+            f"driver; {text.plural(totals.partly, 'case')} passed without them"
         )
     if cases:
         lines += ["", *_chapters(cases)]
-    failed = [r for case in cases for r in case.records if r.status not in PASSABLE]
+    failed = [r for case in cases for r in case.records if r.status not in grouping.PASSABLE]
     if failed:
         lines += ["", "### Failures", ""]
         for record in failed[:_MOST_FAILURES]:
             lines += _failure(record)
         if len(failed) > _MOST_FAILURES:
-            lines.append(f"- and {plural(len(failed) - _MOST_FAILURES, 'more variant')}")
+            lines.append(f"- and {text.plural(len(failed) - _MOST_FAILURES, 'more variant')}")
     lines += _drivers(run)
-    unjudged = list(format_unread(run.records))
+    unjudged = list(text.format_unread(run.records))
     if unjudged:
         lines += ["", "### Outputs that no check reads", ""]
         lines += [f"- {escape(line)}" for line in unjudged[:_MOST_FAILURES]]
         if len(unjudged) > _MOST_FAILURES:
-            lines.append(f"- and {plural(len(unjudged) - _MOST_FAILURES, 'more case')}")
+            lines.append(f"- and {text.plural(len(unjudged) - _MOST_FAILURES, 'more case')}")
     return "\n".join(lines) + "\n"
 
 
-def escape(text: str) -> str:
+def escape(words: str) -> str:
     """One line of text with nothing in it that Markdown, HTML or GitHub would act upon.
 
     >>> escape("a|b <i> @x *y*")
     'a\\\\|b &lt;i&gt; &#64;x \\\\*y\\\\*'
     """
-    line = " ".join(clean(text).split())
+    line = " ".join(text.clean(words).split())
     line = line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     line = re.sub(r"([\\`*_{}\[\]()#+!|~$-])", r"\\\1", line)
     # Mentions and links are made of plain text too.
     return line.replace("@", "&#64;").replace("://", "&#58;//").replace("www.", "www&#46;")
 
 
-def _chapters(cases: list[CaseGroup]) -> Iterable[str]:
-    present = [s for s in reversed(STATUSES) if any(case.status == s for case in cases)]
-    yield "| Chapter | " + " | ".join(STATUS_WORDS[status] for status in present) + " |"
+def _chapters(cases: list[grouping.CaseGroup]) -> Iterable[str]:
+    present = [s for s in reversed(grouping.STATUSES) if any(case.status == s for case in cases)]
+    yield "| Chapter | " + " | ".join(grouping.STATUS_WORDS[status] for status in present) + " |"
     yield "|---" * (len(present) + 1) + "|"
     for (number, name), members in groupby(cases, lambda case: case.chapter):
         counted = Counter(case.status for case in members)
@@ -123,20 +106,24 @@ def _drivers(run: Run) -> Iterable[str]:
         case = f"{escape(case_id)} ({many})" if many > 1 else escape(case_id)
         yield f"| {case} | " + " | ".join(map(escape, cells)) + " |"
     if len(rows) > _MOST_FAILURES:
-        yield f"\nand {plural(len(rows) - _MOST_FAILURES, 'more case')}"
-    counts = (f"{count(table.outputs[v])} {words}" for v, words in AGREEMENTS.items())
-    yield from ("", f"{plural(table.outputs.total(), 'output')} compared: {', '.join(counts)}", "")
+        yield f"\nand {text.plural(len(rows) - _MOST_FAILURES, 'more case')}"
+    counts = (f"{text.count(table.outputs[v])} {words}" for v, words in AGREEMENTS.items())
+    yield from (
+        "",
+        f"{text.plural(table.outputs.total(), 'output')} compared: {', '.join(counts)}",
+        "",
+    )
     outside = [each for each in table.differences if each.verdict == "outside"]
     for each in outside[:_MOST_FAILURES]:
-        name = escape(f"{format_label(each.id, each.variant)}: {each.output}")
+        name = escape(f"{text.format_label(each.id, each.variant)}: {each.output}")
         where = f"outside on {', '.join(each.outside)}"
         yield f"- **{name}** {escape(' | '.join(each.drivers))}: {escape(where)}"
 
 
 def _failure(record: Record) -> Iterable[str]:
     sign = _SIGNS.get(record.status, "❌")
-    name = escape(format_label(record.id, record.variant))
-    yield f"- {sign} **{name}** {STATUS_WORDS[record.status]} · {escape(record.title)}"
+    name = escape(text.format_label(record.id, record.variant))
+    yield f"- {sign} **{name}** {grouping.STATUS_WORDS[record.status]} · {escape(record.title)}"
     if record.message:
         yield f"  - {escape(record.message)}"
     for outcome in record.expectations:
@@ -151,9 +138,9 @@ def _outcome(outcome: Outcome) -> str:
         c = worst.component
         place = f"pixel {worst.pixel}: " if worst.pixel else ""
         parts.append(
-            f"{place}measured {figure(worst.measured[c])}, "
-            f"band {figure(worst.low[c])} … {figure(worst.high[c])} "
-            f"({short(worst.ulp)} ULP from the reference)"
+            f"{place}measured {text.figure(worst.measured[c])}, "
+            f"band {text.figure(worst.low[c])} … {text.figure(worst.high[c])} "
+            f"({text.short(worst.ulp)} ULP from the reference)"
         )
     parts += [f"{escape(source.file)}:{source.line}" for source in outcome.sources]
     return " · ".join(parts)
