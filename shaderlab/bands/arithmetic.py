@@ -320,11 +320,8 @@ def _usable_divisor(
         return b_lo, b_hi, b_lo, NO
     low, high = np.abs(b_lo), np.abs(b_hi)
     smallest = np.minimum(low, high)
-    outside = (
-        (smallest < SMALLEST_NORMAL)
-        | (np.maximum(low, high) > LARGEST_DIVISOR)
-        | ((b_lo <= 0.0) & (b_hi >= 0.0))
-    )
+    far = (smallest < SMALLEST_NORMAL) | (np.maximum(low, high) > LARGEST_DIVISOR)
+    outside = far | ((b_lo <= 0.0) & (b_hi >= 0.0))
     if not outside.any():
         return b_lo, b_hi, smallest, outside
     usable_lo = np.where(outside, 1.0, b_lo)

@@ -68,11 +68,8 @@ class TriBool:
 
     def __and__(self, other: Any) -> TriBool:
         other = as_tri_bool(other)
-        return TriBool(
-            self.all_true & other.all_true,
-            self.all_false | other.all_false,
-            self.rules or other.rules,
-        )
+        rules = self.rules or other.rules
+        return TriBool(self.all_true & other.all_true, self.all_false | other.all_false, rules)
 
     def __or__(self, other: Any) -> TriBool:
         return ~(~self & ~as_tri_bool(other))
@@ -85,11 +82,8 @@ class TriBool:
 
     def all(self) -> TriBool:
         """GLSL's `all`: over the last axis, which stays with size 1."""
-        return TriBool(
-            self.all_true.all(axis=-1, keepdims=True),
-            self.all_false.any(axis=-1, keepdims=True),
-            self.rules,
-        )
+        every = self.all_true.all(axis=-1, keepdims=True)
+        return TriBool(every, self.all_false.any(axis=-1, keepdims=True), self.rules)
 
     def any(self) -> TriBool:
         """GLSL's `any`: over the last axis, which stays with size 1."""

@@ -54,13 +54,9 @@ def _divide(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
     """Truncated; by zero, nothing is defined."""
     undefined = (b.lo <= 0) & (b.hi >= 0)
     divisors = [np.where(undefined, 1, bound) for bound in (b.lo, b.hi)]
-    corners = [_quotient(x, y) for x in (a.lo, a.hi) for y in divisors]
+    pairs = [(x, y) for x in (a.lo, a.hi) for y in divisors]
+    corners = [np.abs(x) // np.abs(y) * np.sign(x) * np.sign(y) for x, y in pairs]
     return np.minimum.reduce(corners), np.maximum.reduce(corners), undefined
-
-
-def _quotient(a: Integers, b: Integers) -> Integers:
-    found: Integers = np.abs(a) // np.abs(b) * np.sign(a) * np.sign(b)
-    return found
 
 
 def _remainder(a: Integer, b: Integer) -> tuple[Any, Any, Any]:

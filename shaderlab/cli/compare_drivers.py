@@ -131,11 +131,8 @@ def _compare_outputs(
             return
         steps = pixel_distances(one, two)
     differing = 0 if steps is None else int((steps > 0).sum())
-    outside = tuple(
-        record.driver_name
-        for record, drawn in ((first, output), (second, other))
-        if differing and drawn.failed
-    )
+    both = ((first, output), (second, other))
+    outside = tuple(record.driver_name for record, drawn in both if differing and drawn.failed)
     found = Disagreement(
         id=first.id,
         variant=first.variant,

@@ -110,13 +110,9 @@ def _format_share(widths: float) -> str:
 
 def _format_compiled(group: Sequence[Record]) -> Text:
     """How many targets accept, or the names of those that refuse."""
-    refusing = {
-        target
-        for record in group
-        for target, verdict in record.compile.items()
-        if verdict not in ("ok", "pass")
-    }
-    targets = {target for record in group for target in record.compile}
+    verdicts = {item for record in group for item in record.compile.items()}
+    refusing = {target for target, verdict in verdicts if verdict not in ("ok", "pass")}
+    targets = {target for target, _ in verdicts}
     if refusing:
         return Text(f"not {', '.join(sorted(refusing))}", "red")
     return Text(f"{len(targets)}/{len(targets)}" if targets else "", "green")

@@ -42,10 +42,8 @@ def state_calls(
         yield "StencilOpSeparate", face, stencil.fail, stencil.depth_fail, stencil.depth_pass
         yield "StencilMaskSeparate", face, stencil.write_mask
     blend = state.blend or _NO_BLEND
-    colors, alphas = (
-        (blend.source, blend.destination),
-        (blend.source_alpha, blend.destination_alpha),
-    )
+    colors = (blend.source, blend.destination)
+    alphas = (blend.source_alpha, blend.destination_alpha)
     own = (alpha or color for alpha, color in zip(alphas, colors, strict=True))
     yield "BlendFuncSeparate", *colors, *own
     equations = (blend.equation, blend.equation_alpha or blend.equation)

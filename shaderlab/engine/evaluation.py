@@ -161,11 +161,7 @@ class Evaluation:
 
     def _answer(self, need: Need) -> Any:
         like = self._like
-        if (
-            like is not None
-            and need in like.answers
-            and need.has_same_answer(self.programs, like.programs)
-        ):
+        if like and need in like.answers and need.has_same_answer(self.programs, like.programs):
             return like.answers[need]
         return need.answer(self._context)
 

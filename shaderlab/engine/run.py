@@ -286,12 +286,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         """Compile a scene's programs for all of its targets; also those that do not compile."""
         folder = Path(scene.case.file).parent
         preparer = self._preparer(str(folder))
-        targets = (
-            self.options.targets
-            or tuple(scene.case.targets)
-            or load_settings(folder).targets
-            or TARGETS
-        )
+        asked = self.options.targets or tuple(scene.case.targets)
+        targets = asked or load_settings(folder).targets or TARGETS
         return {p.name: tuple(preparer.prepare(d, targets) for d in p.draws) for p in scene.passes}
 
     def prepare_for_opengl(

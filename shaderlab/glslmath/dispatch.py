@@ -9,9 +9,7 @@ import numpy as np
 
 from shaderlab.bands import Band, Integer, Literal, TriBool
 
-__all__ = [
-    "Condition", "Value",
-]  # fmt: skip
+__all__ = ["Condition", "Value"]
 
 # A Python number, a float64 array whose last axis is the components, or a Band.
 Value: TypeAlias = Any

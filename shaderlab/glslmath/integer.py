@@ -147,11 +147,7 @@ def findMSB(value: Value) -> Integer:
     whole = _as_integer(value)
     if whole.unsigned:
         return _map_bits(whole, _find_highest)
-
-    def find_signed(bits: Any) -> Any:
-        return _find_highest(np.where(bits >> 31, _RANGE - 1 - bits, bits))
-
-    return _map_bits(whole, find_signed)
+    return _map_bits(whole, lambda n: _find_highest(np.where(n >> 31, _RANGE - 1 - n, n)))
 
 
 def _find_highest(bits: Any) -> Any:

@@ -103,10 +103,8 @@ class Step:
         """The component to show of a vector: one that is wrong, else the one known worst."""
         if not self.inside:
             return self.wrong.index(True)
-        shares = [
-            (high - low) / (abs(low) + abs(high) or 1.0)
-            for low, high in zip(self.low, self.high, strict=True)
-        ]
+        bounds = zip(self.low, self.high, strict=True)
+        shares = [(high - low) / (abs(low) + abs(high) or 1.0) for low, high in bounds]
         return max(range(len(shares)), key=lambda i: shares[i])
 
     @property

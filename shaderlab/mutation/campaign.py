@@ -152,11 +152,8 @@ class MutationRun:
     def judge(self) -> Iterator[tuple[str, MutantResult | None]]:
         """Yield a case's id and the result of one of its mutants, for each as it is judged; None
         for those that are left out because the case does not pass unmutated."""
-        waiting = {
-            (run.target.file, index): (run, index)
-            for run in self._runs
-            for index in range(len(run.mutants))
-        }
+        every = [(run, index) for run in self._runs for index in range(len(run.mutants))]
+        waiting = {(run.target.file, index): (run, index) for run, index in every}
         while waiting:
             batch = list(waiting.values())
             requests = [run.target.judge(run.mutants[index]) for run, index in batch]

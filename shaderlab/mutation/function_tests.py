@@ -119,11 +119,8 @@ class _Session:
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Keep Python's tests: variants of cases have records of their own."""
-        items[:] = [
-            item
-            for item in items
-            if hasattr(item, "function") and (not self._only or item.name in self._only)
-        ]
+        own = [item for item in items if hasattr(item, "function")]
+        items[:] = [item for item in own if not self._only or item.name in self._only]
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
         self._worker.note(nodeid)
@@ -284,10 +281,8 @@ def _arguments(inputs: Mapping[str, Type], text: str) -> Iterator[dict[str, Any]
 
     # What is in a struct with samplers has one value for a call.
     for bound in _RANGES:
-        yield {
-            name: sample(kind, bound, () if kind.opaque else (_SAMPLES,))
-            for name, kind in inputs.items()
-        }
+        batches = {name: () if kind.opaque else (_SAMPLES,) for name, kind in inputs.items()}
+        yield {name: sample(kind, bound, batches[name]) for name, kind in inputs.items()}
 
 
 def _same(before: Function, after: Function, arguments: dict[str, Array]) -> bool:

@@ -243,11 +243,8 @@ def _is_read(output: Named, mutant: Evaluation, original: Evaluation, judged: Ju
 def find_changed_outputs(mutant: Evaluation, original: Evaluation) -> set[Named]:
     """Return the outputs that differ in any bit: of the passes drawn, and of what was captured."""
     images = original.drawn.images
-    found = {
-        key
-        for key, image in mutant.drawn.images.items()
-        if differ(image.values, images[key].values)
-    }
+    drawn = mutant.drawn.images
+    found = {key for key, image in drawn.items() if differ(image.values, images[key].values)}
     for need, answer in mutant.answers.items():
         other = original.answers.get(need)
         if other is None:
@@ -293,16 +290,11 @@ def _compile_modules(stages: Sequence[Source]) -> Mapping[str, bytes]:
 @functools.lru_cache(maxsize=64)
 def optimise(module: bytes) -> bytes:
     """The module after spirv-opt; nothing if that can't be run or refuses it."""
-    command = find_optimiser()
-    if command is None:
+    optimiser = find_optimiser()
+    if optimiser is None:
         return b""
-    run = subprocess.run(
-        [command, *_OPTIMISE, "-", "-o", "-"],
-        input=module,
-        capture_output=True,
-        timeout=20.0,
-        check=False,
-    )
+    command = [optimiser, *_OPTIMISE, "-", "-o", "-"]
+    run = subprocess.run(command, input=module, capture_output=True, timeout=20.0)
     return run.stdout if run.returncode == 0 else b""
 
 

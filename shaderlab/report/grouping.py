@@ -109,11 +109,8 @@ def _place(group: CaseGroup) -> tuple[bool, tuple[int, str], int, list[int]]:
 def count_totals(run: Run, cases: Sequence[CaseGroup]) -> Totals:
     """Count everything once; a program that several variants share is one program."""
     outcomes = [outcome for record in run.records for outcome in record.expectations]
-    programs = {
-        (program.files, program.sources): program.verdicts
-        for record in run.records
-        for program in record.programs
-    }
+    every = [program for record in run.records for program in record.programs]
+    programs = {(program.files, program.sources): program.verdicts for program in every}
     verdicts = [verdict for group in programs.values() for verdict in group]
     return Totals(
         cases=Counter(case.status for case in cases),

@@ -331,12 +331,8 @@ class Page:
 
     @property
     def failed(self) -> list[tuple[CaseView, VariantView]]:
-        return [
-            (case, variant)
-            for case in self.cases
-            for variant in case.variants
-            if variant.record.status not in PASSABLE
-        ]
+        every = ((case, variant) for case in self.cases for variant in case.variants)
+        return [each for each in every if each[1].record.status not in PASSABLE]
 
 
 def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = None) -> Page:

@@ -72,11 +72,8 @@ def find_locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
     one that it left out."""
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
-    return {
-        name: uniform_location(program, name)
-        for name in draw.interface.uniforms
-        if not name.startswith(PREFIX)
-    }
+    names = (name for name in draw.interface.uniforms if not name.startswith(PREFIX))
+    return {name: uniform_location(program, name) for name in names}
 
 
 class OpenGLSession(Drawing):

@@ -31,13 +31,9 @@ LEAST_VERSIONS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
 # A driver links a program only from a stage that begins one.
 _BEGIN = ("vertex", "compute")
 _NUMPY = {"ui": np.uint32, "i": np.int32, "d": np.float64, "f": np.float32}
-# Execution modes of geometry stages (SPIR-V), and what their strips are made of.
-_OUTPUT_POINTS, _OUTPUT_LINE_STRIP, _OUTPUT_TRIANGLE_STRIP = 27, 28, 29
-_EMITTED = {
-    _OUTPUT_POINTS: "points",
-    _OUTPUT_LINE_STRIP: "lines",
-    _OUTPUT_TRIANGLE_STRIP: "triangles",
-}
+# What the strips of geometry stages are made of, by execution mode (SPIR-V: OutputPoints,
+# OutputLineStrip, OutputTriangleStrip).
+_EMITTED = {27: "points", 28: "lines", 29: "triangles"}
 
 
 class Linker(ProgramCache[Any]):

@@ -313,11 +313,8 @@ class BoundTextures(SceneTextures[Any]):
 def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[Array, ...]:
     count = values.shape[0] if values.ndim == 4 else 1
     height, width = values.shape[-3:-1]
-    sizes = level_sizes(width, height)[1:]
-    return tuple(
-        read_level(texture, format, level, (*size, count))
-        for level, size in enumerate(sizes, start=1)
-    )
+    levels = enumerate(level_sizes(width, height)[1:], start=1)
+    return tuple(read_level(texture, format, level, (*size, count)) for level, size in levels)
 
 
 def make_sampler(sampling: Sampling) -> int:

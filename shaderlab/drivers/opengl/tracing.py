@@ -529,19 +529,16 @@ def trace(session: Drawing) -> Sequence[TracedCall]:
 
 
 def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str]:
-
-    def file_of(name: str, index: int) -> str:
-        return Path(session.programs[name][index].draw.shaders[-1]).name
-
     used: dict[PassDraw, int] = {}
     for call in calls:
         pass_name, draw = call.place or ("", None)
         if call.function == "glUseProgram" and call.arguments[0] and draw is not None:
             used[pass_name, draw] = int(call.arguments[0])
-    return {
-        f"program {number}": f"program {number} ({file_of(name, index)})"
-        for (name, index), number in used.items()
-    }
+    found = {}
+    for (name, index), number in used.items():
+        file = Path(session.programs[name][index].draw.shaders[-1]).name
+        found[f"program {number}"] = f"program {number} ({file})"
+    return found
 
 
 def _describe_call(call: Recorded, files: Mapping[str, str], tracker: StateTracker) -> TracedCall:

@@ -147,11 +147,8 @@ def convert_inputs(
     """Given input values as arrays (1, components), matrices (1, rows, columns), of the type that
     the shader gets."""
     known = {v.name: v for v in array_elements(variables.values())}
-    return {
-        name: convert_value(known[name], value)[0][None]
-        for name, value in values.items()
-        if name in known
-    }
+    own = {name: value for name, value in values.items() if name in known}
+    return {name: convert_value(known[name], value)[0][None] for name, value in own.items()}
 
 
 def complete_inputs(

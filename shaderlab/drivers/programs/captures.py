@@ -74,10 +74,8 @@ def probe_fragments(
         rows = {
             name: values.reshape(-1, values.shape[-1])[:count] for name, values in images.items()
         }
-        written = {
-            name: rows[name][:, : textures.components_of(output.type)]
-            for name, output in outputs.items()
-        }
+        sizes = {name: textures.components_of(output.type) for name, output in outputs.items()}
+        written = {name: rows[name][:, :size] for name, size in sizes.items()}
         discarded = int((rows["stencil"] == 0).sum()) if discards else 0
         samples.append(Samples(inputs=complete, outputs=written, discarded=discarded))
     return samples
@@ -390,11 +388,8 @@ def _capture_emitted(
     for name, values in join_parts(outputs).items():
         for corner in range(which.shape[1]):
             inputs[_corner_name(name, corner)] = values[(first + which)[:, corner]]
-    return Samples(
-        inputs=inputs,
-        outputs={p.name + p.path: v for p, v in got.items()},
-        entering=_rename_entering(given),
-    )
+    made = {piece.name + piece.path: values for piece, values in got.items()}
+    return Samples(inputs=inputs, outputs=made, entering=_rename_entering(given))
 
 
 def _capture_tessellated(

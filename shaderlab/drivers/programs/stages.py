@@ -156,10 +156,7 @@ def join_parts(parts: Mapping[VaryingPart, Array]) -> dict[str, Array]:
     for piece, values in parts.items():
         found.setdefault(piece.name, []).append(values)
     matrices = {piece.name for piece in parts if piece.path}
-    return {
-        name: np.stack(columns, axis=-1) if name in matrices else columns[0]
-        for name, columns in found.items()
-    }
+    return {n: np.stack(v, axis=-1) if n in matrices else v[0] for n, v in found.items()}
 
 
 PREFIX = "shaderlab_"
@@ -490,10 +487,7 @@ def copy_inputs(
 ) -> tuple[str, Mapping[VaryingPart, VaryingPart]]:
     """Write an evaluation shader that also passes some inputs on; returns the outputs, too."""
     shader = GlslDeclarations(text)
-    copies = {
-        piece: VaryingPart(f"{PREFIX}in{number}", "", piece.type)
-        for number, piece in enumerate(group)
-    }
+    copies = {p: VaryingPart(f"{PREFIX}in{n}", "", p.type) for n, p in enumerate(group)}
     flat = {"i": "flat ", "u": "flat "}
     declared = [f"{flat.get(c.type[0], '')}out {c.type} {c.name};" for c in copies.values()]
     written = [f"    {c.name} = {shader.spell(p.name)}{p.path};" for p, c in copies.items()]

@@ -59,13 +59,11 @@ def find_slots(interface: Interface) -> dict[str, Slot]:
         for member in block.members.values()
     ]
     names = [*(own for _, own, _ in found), *image_variables(interface)]
-    spelt = {
-        (block, own): own if names.count(own) == 1 else f"{block}.{own}" for block, own, _ in found
-    }
-    return {
-        spelt[block, own]: Slot(name=spelt[block, own], block=block, member=member)
-        for block, own, member in found
-    }
+    slots = {}
+    for block, own, member in found:
+        name = own if names.count(own) == 1 else f"{block}.{own}"
+        slots[name] = Slot(name=name, block=block, member=member)
+    return slots
 
 
 def _name(member: Member) -> str:
@@ -77,7 +75,9 @@ def find_outputs(interface: Interface) -> dict[str, Variable]:
     """The images and the members of blocks that a program may write, by name."""
     known = find_slots(interface).values()
     members = {slot.name: slot.variable for slot in known if not slot.member.readonly}
-    return {**_image_outputs(interface), **members}
+    images = {n: image for n, image in image_variables(interface).items() if not image.readonly}
+    texels = {n: Variable(name=n, type=_texel_type(image)) for n, image in images.items()}
+    return {**texels, **members}
 
 
 def bind_storage(
@@ -238,15 +238,6 @@ _NEAREST, _EDGE = ("nearest",) * 2, ("clamp_to_edge",) * 2
 
 def image_variables(interface: Interface) -> dict[str, Variable]:
     return {name: v for name, v in interface.uniforms.items() if "image" in v.type}
-
-
-def _image_outputs(interface: Interface) -> dict[str, Variable]:
-    """The images that a program may write, by name, each with the type of its texels."""
-    return {
-        name: Variable(name=name, type=_texel_type(image))
-        for name, image in image_variables(interface).items()
-        if not image.readonly
-    }
 
 
 def _image_kind(image: Variable) -> str:

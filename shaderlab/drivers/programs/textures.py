@@ -228,11 +228,9 @@ def texture_contents(
     given = source.faces if isinstance(source, CubeTexture) else source.layers
     layers = [values(image, f"{owner} {number}") for number, image in enumerate(given)]
     if cube:  # t runs down on a cube: files begin with the row that its faces begin with
-        files = [isinstance(image, str | Path) for image in given]
-        layers = [
-            np.ascontiguousarray(layer[::-1]) if file else layer
-            for layer, file in zip(layers, files, strict=True)
-        ]
+        for number, image in enumerate(given):
+            if isinstance(image, str | Path):
+                layers[number] = np.ascontiguousarray(layers[number][::-1])
     height, width = layers[0].shape[:2]
     for number, image in enumerate(layers):
         if image.shape != layers[0].shape:

@@ -115,10 +115,8 @@ def upload(resources: Resources, mesh: Mesh | None) -> VertexBuffers:
     """Return the buffers of a mesh, or three vertices without attributes."""
     if mesh is None:
         return VertexBuffers((), None, 3)
-    buffers = tuple(
-        resources.buffer("vertex_buffer", b"".join(piece for _, piece in own))
-        for own in mesh.parts()
-    )
+    contents = (b"".join(piece for _, piece in own) for own in mesh.parts())
+    buffers = tuple(resources.buffer("vertex_buffer", data) for data in contents)
     if mesh.indices is None:
         return VertexBuffers(buffers, None, mesh.vertices)
     indices = resources.buffer("index_buffer", mesh.indices.astype(np.uint32))
@@ -355,10 +353,8 @@ class BoundTextures(SceneTextures[RenderTarget]):
         blocks = textures.load_blocks(source, self.folder)
         choose_format(self._device, blocks.format, "sampled_image")
         sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
-        made = new_image(
-            self._resources, blocks.format, blocks.size, "sampled", "transfer_dst",
-            levels=len(blocks.levels),
-        )  # fmt: skip
+        uses = ("sampled", "transfer_dst")
+        made = new_image(self._resources, blocks.format, blocks.size, *uses, levels=len(sizes))
         write(self._device, made, blocks.levels)
         view = self._view(made)
         first, *smaller = (

@@ -402,10 +402,8 @@ class RenderTarget(Attachments):
                 "ImageResolve", srcSubresource=part, dstSubresource=part, extent=(*self.size, 1)
             )
             for name, image in self.images.items():
-                lib.vkCmdResolveImage(
-                    commands.handle, self.drawn[name].handle, GENERAL, image.handle, GENERAL, 1,
-                    region,
-                )  # fmt: skip
+                ends = (self.drawn[name].handle, GENERAL, image.handle, GENERAL)
+                lib.vkCmdResolveImage(commands.handle, *ends, 1, region)
             commands.barrier()
 
     def sample_positions(self) -> Array:

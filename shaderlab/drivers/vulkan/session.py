@@ -307,10 +307,8 @@ class VulkanBackend(DeviceBackend):
 
 
 def _upload_inputs(own: Resources, evaluation: Evaluation, inputs: Array) -> BoundImage:
-    image = new_image(
-        own, _WORD, evaluation.size, "sampled", "transfer_dst", kind="2DArray",
-        layers=len(inputs),
-    )  # fmt: skip
+    uses, count = ("sampled", "transfer_dst"), len(inputs)
+    image = new_image(own, _WORD, evaluation.size, *uses, kind="2DArray", layers=count)
     fill(own.device, image, [inputs[..., None]])
     sampler = own.create("Sampler", Structs()("SamplerCreateInfo"))
     return BoundImage(new_view(own, image, sampled=True), sampler)

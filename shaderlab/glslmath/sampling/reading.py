@@ -14,9 +14,7 @@ from shaderlab.bands import Band, Integer, Rules
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Texels
 
-__all__ = [
-    "Sampler", "cube_face", "wrap_index",
-]  # fmt: skip
+__all__ = ["Sampler", "cube_face", "wrap_index"]
 
 Span = tuple[Array, Array]
 """The least and the greatest value; for a number both are the same array."""
@@ -59,10 +57,8 @@ def hull(parts: list[Span]) -> Span:
     """The least span that holds all of them."""
     if len(parts) == 1:
         return parts[0]
-    return (
-        np.minimum.reduce([low for low, _ in parts]),
-        np.maximum.reduce([high for _, high in parts]),
-    )
+    lows, highs = zip(*parts, strict=True)
+    return np.minimum.reduce(lows), np.maximum.reduce(highs)
 
 
 def require_narrow(span: Span, what: str) -> None:
@@ -336,10 +332,8 @@ def _on_face(along: Span, sign: int, major: Span) -> Span:
     """0.5·(±along / major) + 0.5, in 0…1."""
     ends = [sign * a / m for a in along for m in major]
     low, high = np.minimum.reduce(ends), np.maximum.reduce(ends)
-    return (
-        np.clip(0.5 * low + 0.5 - _ROUNDING, 0.0, 1.0),
-        np.clip(0.5 * high + 0.5 + _ROUNDING, 0.0, 1.0),
-    )
+    low, high = 0.5 * low + 0.5 - _ROUNDING, 0.5 * high + 0.5 + _ROUNDING
+    return np.clip(low, 0.0, 1.0), np.clip(high, 0.0, 1.0)
 
 
 Filtered = Callable[[int, str], Span]
@@ -413,11 +407,13 @@ def _minify(sampler: Sampler, filtered: Filtered, within: str, between: str, lod
     low, high = np.clip(place[0], 0, last), np.clip(place[1], 0, last)
     ends = [low] if exact else corners((low, high))
     below = [np.minimum(np.floor(end), max(last - 1, 0)) for end in ends]
-    known = _sample_levels(filtered, within, [*below, *(np.minimum(b + 1, last) for b in below)])
-    return hull(
-        [_mix_levels(known, b, np.minimum(b + 1, last), e - b, exact)
-         for b, e in zip(below, ends, strict=True)]
-    )  # fmt: skip
+    above = [np.minimum(number + 1, last) for number in below]
+    known = _sample_levels(filtered, within, [*below, *above])
+    found = []
+    for one, other, end in zip(below, above, ends, strict=True):
+        part = np.clip(end - one, 0.0, 1.0)
+        found.append(_mix_layers(_pick(known, one), _pick(known, other), part, exact))
+    return hull(found)
 
 
 def _sample_levels(filtered: Filtered, within: str, numbers: list[Array]) -> dict[int, Span]:
@@ -432,10 +428,6 @@ def _pick(known: dict[int, Span], number: Array) -> Span:
         here = (number == level)[..., None]
         low, high = np.where(here, one, low), np.where(here, other, high)
     return low, high
-
-
-def _mix_levels(known: dict[int, Span], one: Array, other: Array, part: Array, exact: bool) -> Span:
-    return _mix_layers(_pick(known, one), _pick(known, other), np.clip(part, 0.0, 1.0), exact)
 
 
 def _mix_layers(near: Span, far: Span, part: Array, exact: bool) -> Span:
