@@ -88,13 +88,9 @@ def sphere(radius: float = 1.0, segments: int = 48, rings: int = 24) -> Geometry
     _at_least("sphere", segments=(segments, 3), rings=(rings, 2))
     s, t = _grid(segments, rings)
     longitude, latitude = 2.0 * np.pi * s, np.pi * (t - 0.5)
-    normals = np.column_stack(
-        [
-            np.cos(latitude) * np.sin(longitude),
-            np.sin(latitude),
-            np.cos(latitude) * np.cos(longitude),
-        ]
-    )
+    across = np.cos(latitude)
+    x, z = across * np.sin(longitude), across * np.cos(longitude)
+    normals = np.column_stack([x, np.sin(latitude), z])
     triangles = _grid_triangles(segments, rings).reshape(rings, segments, 2, 3)
     # At a pole one triangle of each cell has two corners in the same place: leave it out.
     south, north = triangles[0, :, 1], triangles[-1, :, 0]

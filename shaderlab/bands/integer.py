@@ -217,17 +217,11 @@ class Integer(Swizzled):
         return self.lo is self.hi
 
     def __getitem__(self, index: Any) -> Integer:
-        lo = self.lo[index]
+        lo, hi = self.lo[index], None if self.known else self.hi[index]
         anything = self.anything
         if anything.ndim:
             anything = np.broadcast_to(anything, self.shape)[index]
-        return Integer(
-            lo,
-            None if self.known else self.hi[index],
-            unsigned=self.unsigned,
-            rules=self.rules,
-            anything=anything,
-        )
+        return Integer(lo, hi, unsigned=self.unsigned, rules=self.rules, anything=anything)
 
     def derive(
         self, lo: Any, hi: Any = None, *others: Integer, anything: Any = None, unsigned: Any = None
@@ -264,9 +258,9 @@ class Integer(Swizzled):
 
     def convert(self, unsigned: bool) -> Integer:
         """GLSL's int(n) or uint(n): the same bits."""
-        return self if unsigned == self.unsigned else self.derive(
-            self.lo, None if self.known else self.hi, unsigned=unsigned
-        )  # fmt: skip
+        if unsigned == self.unsigned:
+            return self
+        return self.derive(self.lo, None if self.known else self.hi, unsigned=unsigned)
 
     def to_float(self) -> Any:
         """GLSL's float(n): a band, rounded to float32 either way; float64 without rules."""
@@ -360,11 +354,9 @@ for _name, _compared, _swapped, _negated in (
     ("eq", _equal, False, False),
     ("ne", _equal, False, True),
 ):
-    setattr(
-        Integer,
-        f"__{_name}__",
-        _make_comparison(_compared, getattr(operator, _name), swapped=_swapped, negated=_negated),
-    )
+    _floats = getattr(operator, _name)
+    _made = _make_comparison(_compared, _floats, swapped=_swapped, negated=_negated)
+    setattr(Integer, f"__{_name}__", _made)
 
 
 def absolute_value(n: Integer) -> Integer:

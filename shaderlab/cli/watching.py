@@ -166,15 +166,9 @@ class Session:
         if result.status == "done":
             records: Sequence[Record] = result.value.records
         else:
-            records = [
-                record_of_test(
-                    str(watched.file),
-                    result.step.rpartition("::")[2] or "all tests",
-                    1,
-                    status=result.status,
-                    message=format_error(result),
-                )
-            ]
+            name, why = result.step.rpartition("::")[2] or "all tests", format_error(result)
+            file, status = str(watched.file), result.status
+            records = [record_of_test(file, name, 1, status=status, message=why)]
         watched.records = {record.variant: record for record in records}
         yield from records
 

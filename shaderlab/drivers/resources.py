@@ -133,9 +133,10 @@ class SceneTextures(ABC, Generic[TargetKind]):
         is none that such a sampler reads; AssetError: an image file can't be read;
         UnsupportedError: the device has no such texture."""
         kind = self.kind(source, variable)
-        format = "rgba8" if isinstance(source, CompressedTexture) else (  # decoded
-            find_image(source, self.images).format if isinstance(source, Output) else source.format
-        )  # fmt: skip
+        if isinstance(source, Output):
+            format = find_image(source, self.images).format
+        else:
+            format = "rgba8" if isinstance(source, CompressedTexture) else source.format  # decoded
         check_sampler(program, variable, source, kind, format)
         found = self.find(source, kind)
         return Texels(

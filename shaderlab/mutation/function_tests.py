@@ -224,11 +224,8 @@ def _callers(source: Source, result: TestFileResult) -> frozenset[str]:
     if source.path in result.loads.called_outside:
         return frozenset()
     path = display_path(source.path)
-    return frozenset(
-        record.variant
-        for record in result.records
-        if any(path in program.files[:1] for program in record.programs)
-    )
+    users = (r for r in result.records if any(path in p.files[:1] for p in r.programs))
+    return frozenset(record.variant for record in users)
 
 
 def compare_texts(

@@ -39,7 +39,8 @@ _SIBLINGS = {
     "sqrt": "inversesqrt", "inversesqrt": "sqrt", "dFdx": "dFdy", "dFdy": "dFdx",
     "lessThan": "greaterThan", "greaterThan": "lessThan", "any": "all", "all": "any",
 }  # fmt: skip
-_TIGHT = ("call_expression", "field_expression", "subscript_expression", "parenthesized_expression")
+_ACCESS = ("field_expression", "subscript_expression")
+_TIGHT = ("call_expression", *_ACCESS, "parenthesized_expression")
 _MOST_NAMES = 3  # of many like variables, the ones declared nearest are mixed up
 _SETS = ("xyzw", "rgba", "stpq")
 _REMOVABLE = ("expression_statement", "if_statement", "for_statement", "while_statement",
@@ -226,7 +227,7 @@ def _is_read(node: Node) -> bool:
         return around.child_by_field_name("function") != node
     if around.type == "assignment_expression":
         return around.child_by_field_name("left") != node
-    if around.type in ("field_expression", "subscript_expression"):
+    if around.type in _ACCESS:
         return not _is_assigned(around)
     return True
 
@@ -235,7 +236,7 @@ def _is_assigned(node: Node) -> bool:
     around = node.parent
     if around is None:
         return False
-    if around.type in ("field_expression", "subscript_expression"):
+    if around.type in _ACCESS:
         return _is_assigned(around)
     return around.type == "assignment_expression" and around.child_by_field_name("left") == node
 
@@ -243,11 +244,7 @@ def _is_assigned(node: Node) -> bool:
 def _around(node: Node) -> Node:
     """What to show of a name: the expression around it, up to a call or an operator."""
     shown = node
-    while shown.parent is not None and shown.parent.type in (
-        "field_expression",
-        "subscript_expression",
-        "unary_expression",
-    ):
+    while shown.parent is not None and shown.parent.type in (*_ACCESS, "unary_expression"):
         shown = shown.parent
     around = shown.parent
     if around is not None and around.type == "argument_list" and around.parent is not None:
@@ -363,7 +360,7 @@ def _outputs(file: Syntax, names: Names) -> Mapping[str, str]:
 def _root(assignment: Node, file: Syntax) -> str:
     """The variable that an assignment writes: `color` of `color.rgb = …`."""
     target = field(assignment, "left")
-    while target.type in ("field_expression", "subscript_expression"):
+    while target.type in _ACCESS:
         target = target.children[0]
     return file.of(target)
 

@@ -202,11 +202,8 @@ class _InputMaker:
         draw, bindings = prepared.draw, self._original.drawn.bindings[key]
         texels = bindings.textures
         self._turns = _turning_points("".join(prepared.texts.values()))
-        changes: dict[str, Any] = {
-            "textures": {
-                n: self._once(s, self._texture, texels[n]) for n, s in draw.textures.items()
-            }
-        }
+        own = {n: self._once(s, self._texture, texels[n]) for n, s in draw.textures.items()}
+        changes: dict[str, Any] = {"textures": own}
         if not self._keeps:
             kinds = {n: v.type for n, v in find_declared_uniforms(prepared.interface).items()}
             changes["uniforms"] = {

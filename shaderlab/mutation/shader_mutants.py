@@ -32,11 +32,8 @@ class ShaderMutant(Mutant):
     text: str
 
     def effect(self, scene: Scene) -> Effect | None:
-        passes = frozenset(
-            description.name
-            for description in scene.passes
-            if any(draw.shaders == self.program for draw in description.draws)
-        )
+        users = (p for p in scene.passes if any(d.shaders == self.program for d in p.draws))
+        passes = frozenset(description.name for description in users)
         if not passes:
             return None
         vertex_passes = frozenset[str]() if self.stage == "fragment" else passes
@@ -52,12 +49,8 @@ def mutate_case(
     program that several draws, passes or variants share counts once. Raises ShaderError: a shader
     can't be read."""
     shaders = shaders_of(Path(case.file).parent, {})
-    programs = dict.fromkeys(
-        draw.shaders
-        for scene in select_scenes(case, variants)
-        for description in scene.passes
-        for draw in description.draws
-    )
+    passes = (description for s in select_scenes(case, variants) for description in s.passes)
+    programs = dict.fromkeys(draw.shaders for each in passes for draw in each.draws)
     by_stage: dict[str, list[ShaderMutant]] = {}
     mutants: list[ShaderMutant] = []
     for program in programs:

@@ -63,10 +63,8 @@ def directional(
     >>> directional(dark, -down, 0.5 * white, eye, dark, 8.0, down, 0.1 * white, white, white)
     array([0.55, 0.55, 0.55])
     """
-    part = directed(
-        -light_direction, viewPos - FragPos, Normal, Color, specular, shininess,
-        light_diffuse, light_specular,
-    )  # fmt: skip
+    surface, lamp = (Normal, Color, specular, shininess), (light_diffuse, light_specular)
+    part = directed(-light_direction, viewPos - FragPos, *surface, *lamp)
     return light_ambient * Color + part
 
 
@@ -99,10 +97,8 @@ def point(
     >>> lit.tolist()
     [0.5, 0.5, 0.5]
     """
-    part = directed(
-        light_position - FragPos, viewPos - FragPos, Normal, Color, specular, shininess,
-        light_diffuse, light_specular, highlight,
-    )  # fmt: skip
+    surface, lamp = (Normal, Color, specular, shininess), (light_diffuse, light_specular)
+    part = directed(light_position - FragPos, viewPos - FragPos, *surface, *lamp, highlight)
     left = fading(FragPos, light_position, light_constant, light_linear, light_quadratic)
     return left * (light_ambient * Color + part)
 
@@ -121,10 +117,8 @@ def hard_spot(
     array([0.1, 0.1, 0.1])
     """
     theta = spot_cosine(FragPos, light_position, light_direction)
-    part = directed(
-        light_position - FragPos, viewPos - FragPos, Normal, Color, specular, shininess,
-        light_diffuse, light_specular,
-    )  # fmt: skip
+    surface, lamp = (Normal, Color, specular, shininess), (light_diffuse, light_specular)
+    part = directed(light_position - FragPos, viewPos - FragPos, *surface, *lamp)
     ambient = light_ambient * Color
     return where(theta > light_cutOff, ambient + part, ambient)
 
@@ -141,10 +135,8 @@ def soft_spot(
     >>> soft_spot(dark, up, white, up, dark, 8.0, up, -up, 0.9, 0.8, *full, dark, white, dark)
     array([1., 1., 1.])
     """
-    part = directed(
-        light_position - FragPos, viewPos - FragPos, Normal, Color, specular, shininess,
-        light_diffuse, light_specular,
-    )  # fmt: skip
+    surface, lamp = (Normal, Color, specular, shininess), (light_diffuse, light_specular)
+    part = directed(light_position - FragPos, viewPos - FragPos, *surface, *lamp)
     cone = spot_intensity(FragPos, light_position, light_direction, light_cutOff, light_outerCutOff)
     left = fading(FragPos, light_position, light_constant, light_linear, light_quadratic)
     return left * (light_ambient * Color + cone * part)

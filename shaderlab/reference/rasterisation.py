@@ -34,14 +34,8 @@ def barycentric(points: Array, corners: Array) -> Array:
     """
     a, b, c = np.asarray(corners, float)
     whole = _cross(b - a, c - a)
-    return np.stack(
-        [
-            _cross(c - b, points - b) / whole,
-            _cross(a - c, points - c) / whole,
-            _cross(b - a, points - a) / whole,
-        ],
-        axis=-1,
-    )
+    parts = [_cross(c - b, points - b), _cross(a - c, points - c), _cross(b - a, points - a)]
+    return np.stack(parts, axis=-1) / whole
 
 
 # Corners are rounded to sixteenths of a pixel or finer: an edge moves by at most 0.045 pixels.

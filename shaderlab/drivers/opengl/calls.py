@@ -136,13 +136,10 @@ def answer(
                 return Reply(errors=errors, at=str(step), wanted=wanted)
         returned = maker.make(last, len(wanted))
         errors = drain_errors()
-    words = [w if isinstance(w, str) else "" for w in returns]
-    names = {
-        int(n): name_of(int(n), word)
-        for word, want, got in zip(words, wanted, returned, strict=False)
-        if _is_constant(word)
-        for n in (want, got)
-    }
+    names: dict[int, str] = {}
+    for word, *both in zip(returns, wanted, returned, strict=False):
+        if _is_constant(word):
+            names |= {int(n): name_of(int(n), word) for n in both}
     return Reply(errors=errors, at=str(last), wanted=wanted, returned=returned, names=names)
 
 

@@ -75,11 +75,8 @@ class RenderTarget(Attachments):
         """Draw into this target from now on, with a program that writes its outputs at these
         locations; outputs without an attachment here go nowhere."""
         self._drawn.use()
-        attachments = {
-            locations[name]: GL.GL_COLOR_ATTACHMENT0 + index
-            for index, name in enumerate(self.colors)
-            if locations.get(name, -1) >= 0
-        }
+        places = [(locations.get(name, -1), n) for n, name in enumerate(self.colors)]
+        attachments = {at: GL.GL_COLOR_ATTACHMENT0 + n for at, n in places if at >= 0}
         count = max(attachments, default=-1) + 1
         buffers = [attachments.get(location, GL.GL_NONE) for location in range(count)]
         GL.glDrawBuffers(count, np.array(buffers, np.uint32))

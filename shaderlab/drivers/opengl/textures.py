@@ -137,10 +137,9 @@ def upload(
     if kind in ("2DArray", "3D"):
         stacked = np.stack(images.layers)
         with tightly_packed():
-            GL_1_2.glTexImage3D(
-                made.target, 0, form.internal, width, height, len(stacked), 0,
-                form.components, form.type, address(stacked),
-            )  # fmt: skip
+            size, pixels = (width, height, len(stacked)), (form.components, form.type)
+            data = address(stacked)
+            GL_1_2.glTexImage3D(made.target, 0, form.internal, *size, 0, *pixels, data)
     elif kind == "Cube":
         for face, image in enumerate(images.layers):
             _set_image(GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, format, image)

@@ -282,10 +282,8 @@ def make_probe_mesh(draw: Draw, inputs: Mapping[str, Array]) -> Mesh:
     the first vertex of the draw's own mesh."""
     assert draw.mesh is not None
     count = max((len(v) for v in inputs.values()), default=1)
-    return Mesh(attributes={
-        name: inputs[name] if name in inputs else np.repeat(values[:1], count, axis=0)
-        for name, values in draw.mesh.inputs.items()
-    })  # fmt: skip
+    first = {name: np.repeat(v[:1], count, axis=0) for name, v in draw.mesh.inputs.items()}
+    return Mesh(attributes={name: inputs.get(name, values) for name, values in first.items()})
 
 
 def primitive_corners(mesh: Mesh) -> Array:
@@ -356,10 +354,9 @@ def _run_vertices(
 ) -> Samples:
     text = {"vertex": draw.text("vertex")}
     parts = vertex_parts(text["vertex"], draw.vertex_interface)
-    points = replace(draw, draw=replace(
-        draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"),
-        instances=instances, vertex_array=True, state=State(),
-    ))  # fmt: skip
+    dots = replace(mesh.made(), indices=None, primitive="points")
+    plain = replace(draw.draw, mesh=dots, instances=instances, vertex_array=True, state=State())
+    points = replace(draw, draw=plain)
     got = capture(points, text, parts, bindings, mesh.vertices * instances)
     return Samples(
         inputs=mesh_inputs(mesh, instances), outputs={p.name + p.path: v for p, v in got.items()}

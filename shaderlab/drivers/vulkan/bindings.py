@@ -229,14 +229,12 @@ class Ready:
         structs, handle = commands.structs, commands.handle
         box, scissor = viewport(self.state, target.size)
         target.begin(commands, self.locations, srgb=self.state.srgb)
-        near, far = self.state.depth_range
         lib.vkCmdBindPipeline(handle, _GRAPHICS, self.program.pipeline(self.layout))
-        lib.vkCmdSetViewport(handle, 0, 1, structs(
-            "Viewport", x=box[0], y=box[1], width=box[2], height=box[3], minDepth=near, maxDepth=far
-        ))  # fmt: skip
-        lib.vkCmdSetScissor(handle, 0, 1, structs(
-            "Rect2D", offset=scissor[:2], extent=scissor[2:]
-        ))  # fmt: skip
+        area = structs("Viewport", x=box[0], y=box[1], width=box[2], height=box[3])
+        area.minDepth, area.maxDepth = self.state.depth_range
+        lib.vkCmdSetViewport(handle, 0, 1, area)
+        kept = structs("Rect2D", offset=scissor[:2], extent=scissor[2:])
+        lib.vkCmdSetScissor(handle, 0, 1, kept)
         if self.descriptors != NULL:
             own = structs.array("VkDescriptorSet", [self.descriptors])
             lib.vkCmdBindDescriptorSets(handle, _GRAPHICS, self.program.layout, 0, 1, own, 0, NULL)
@@ -282,10 +280,9 @@ class BoundTextures(SceneTextures[RenderTarget]):
                 raise UnsupportedError(
                     f"a border of {source.border}: this device has no VK_EXT_custom_border_color"
                 )
-            chain, border = {"pNext": structs(
-                "SamplerCustomBorderColorCreateInfoEXT",
-                customBorderColor={"float32": source.border},
-            )}, _CUSTOM_BORDER  # fmt: skip
+            color = {"float32": source.border}
+            own = structs("SamplerCustomBorderColorCreateInfoEXT", customBorderColor=color)
+            chain, border = {"pNext": own}, _CUSTOM_BORDER
         across, up, *along_r = (WRAPS.index(word) for word in source.wrap)
         return self._resources.create("Sampler", structs(
             "SamplerCreateInfo", **chain, flags=0 if seamless else _NOT_SEAMLESS,
@@ -318,10 +315,8 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     def _fetch_samples(self, source: Output, image: Image, target: RenderTarget) -> DeviceTexels:
         view = new_view(self._resources, target.drawn[source.name], sampled=True)
-        each = [
-            fetch_texels(self.linker, view, "2DMS", number, target.size, "rgba32f")
-            for number in range(target.samples)
-        ]
+        numbers = range(target.samples)
+        each = [fetch_texels(self.linker, view, "2DMS", n, target.size, "rgba32f") for n in numbers]
         channels = textures.format_of(image.format).components
         return DeviceTexels(source, view, image.format, np.stack(each)[..., :channels])
 

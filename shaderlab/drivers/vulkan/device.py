@@ -234,10 +234,8 @@ def _make_device(driver: str, instance: Any, structs: Structs) -> Device:
         "max_texture_size": str(properties.limits.maxImageDimension2D),
         "max_samples": str(max(list_sample_counts(properties.limits))),
     }
-    return Device(
-        driver, info, features, properties.limits, tuple(kinds),
-        instance, physical, device, queue, pool, structs,
-    )  # fmt: skip
+    handles = (instance, physical, device, queue, pool)
+    return Device(driver, info, features, properties.limits, tuple(kinds), *handles, structs)
 
 
 def list_sample_counts(limits: Any) -> list[int]:
@@ -353,10 +351,9 @@ class Resources(ExitStack):
         check(lib.vkBindImageMemory(self.device.handle, image, memory, 0), "binding an image")
 
     def _allocate(self, needs: Any, required: int, preferred: int) -> Any:
-        fitting = [
-            (number, flags) for number, flags in enumerate(self.device.memory_types)
-            if needs.memoryTypeBits >> number & 1 and flags & required == required
-        ]  # fmt: skip
+        kinds = enumerate(self.device.memory_types)
+        usable = [(number, flags) for number, flags in kinds if needs.memoryTypeBits >> number & 1]
+        fitting = [kind for kind in usable if kind[1] & required == required]
         number = max(fitting, key=lambda kind: bool(kind[1] & preferred))[0]
         info = Structs()("MemoryAllocateInfo", allocationSize=needs.size, memoryTypeIndex=number)
         made = ffi.new("VkDeviceMemory *")
@@ -395,10 +392,8 @@ class Commands:
 
     def barrier(self) -> None:
         """Finish all that was recorded before what comes next and before the host reads."""
-        memory = self.structs(
-            "MemoryBarrier", srcAccessMask=_ALL_READS_AND_WRITES,
-            dstAccessMask=_ALL_READS_AND_WRITES | _HOST_READS,
-        )  # fmt: skip
+        before, after = _ALL_READS_AND_WRITES, _ALL_READS_AND_WRITES | _HOST_READS
+        memory = self.structs("MemoryBarrier", srcAccessMask=before, dstAccessMask=after)
         lib.vkCmdPipelineBarrier(
             self.handle, _ALL_STAGES, _ALL_STAGES | _HOST_STAGE, 0, 1, memory, 0, NULL, 0, NULL
         )

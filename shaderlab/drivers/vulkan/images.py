@@ -321,18 +321,16 @@ class RenderTarget(Attachments):
             }
         # An attachment of sRGB is written as it comes unless a draw asks for encoding.
         self._encoding = {name: new_view(own, image) for name, image in self.drawn.items()}
-        self._plain = {
-            name: new_view(own, image, as_word="rgba8") if image.word == "srgb8_alpha8" else
-            self._encoding[name] for name, image in self.drawn.items()
-        }  # fmt: skip
+        self._plain = dict(self._encoding)
+        for name, image in self.drawn.items():
+            if image.word == "srgb8_alpha8":
+                self._plain[name] = new_view(own, image, as_word="rgba8")
         self.depth_image: DeviceImage | None = None
         if self._target.depth is not None:
             self.depth = choose_format(device, self._target.depth, "depth_stencil_attachment")
-            self.depth_image = new_image(
-                own, self.depth, self.size, "depth_stencil_attachment", *_USES,
-                kind="2DMS" if self.samples > 1 else "2D", samples=self.samples,
-            )  # fmt: skip
-            self._depth_view = new_view(own, self.depth_image)
+            kind, uses = "2DMS" if self.samples > 1 else "2D", ("depth_stencil_attachment", *_USES)
+            made = new_image(own, self.depth, self.size, *uses, kind=kind, samples=self.samples)
+            self.depth_image, self._depth_view = made, new_view(own, made)
 
     def release(self) -> None:
         self._resources.close()
@@ -359,6 +357,11 @@ class RenderTarget(Attachments):
         """Draw into this target from now on, with a program that writes its outputs at these
         locations; outputs without an attachment here go nowhere."""
         structs, views = commands.structs, self._encoding if srgb else self._plain
+        how = {"imageLayout": GENERAL, "loadOp": _CLEAR if clear else _KEEP}
+
+        def attach(view: Any, value: Mapping[str, Any]) -> Any:
+            return structs("RenderingAttachmentInfo", imageView=view, clearValue=value, **how)
+
         colors = []
         for place in range(max(locations, default=-1) + 1):
             if place not in locations:
@@ -367,18 +370,12 @@ class RenderTarget(Attachments):
             name = locations[place]
             kind = "int32" if COLOR[self.colors[name]].integer else "float32"
             values = [int(v) if kind == "int32" else v for v in self._target.clear]
-            colors.append(structs(
-                "RenderingAttachmentInfo", imageView=views[name], imageLayout=GENERAL,
-                loadOp=_CLEAR if clear else _KEEP, clearValue={"color": {kind: values}},
-            ))  # fmt: skip
+            colors.append(attach(views[name], {"color": {kind: values}}))
         depth = None
         if self.depth:
             target = self._target
             value = {"depthStencil": (target.clear_depth, target.clear_stencil)}
-            depth = structs(
-                "RenderingAttachmentInfo", imageView=self._depth_view, imageLayout=GENERAL,
-                loadOp=_CLEAR if clear else _KEEP, clearValue=value,
-            )  # fmt: skip
+            depth = attach(self._depth_view, value)
         has_stencil = self.depth and aspects(self.depth) & STENCIL_ASPECT
         attached: dict[str, Any] = {"pDepthAttachment": depth} if depth is not None else {}
         if has_stencil:

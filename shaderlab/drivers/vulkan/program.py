@@ -226,15 +226,12 @@ class Program:
         )
         self.set_layout = new_set_layout(self._resources, self.bindings)
         structs = Structs()
-        self.layout = self._resources.create("PipelineLayout", structs(
-            "PipelineLayoutCreateInfo", setLayoutCount=1, pSetLayouts=[self.set_layout]
-        ))  # fmt: skip
-        self._stages = {
-            stage: self._resources.create(
-                "ShaderModule", structs("ShaderModuleCreateInfo", codeSize=len(code), pCode=code)
-            )
-            for stage, code in modules.items()
-        }
+        whole = structs("PipelineLayoutCreateInfo", setLayoutCount=1, pSetLayouts=[self.set_layout])
+        self.layout = self._resources.create("PipelineLayout", whole)
+        self._stages: dict[str, Any] = {}
+        for stage, code in modules.items():
+            info = structs("ShaderModuleCreateInfo", codeSize=len(code), pCode=code)
+            self._stages[stage] = self._resources.create("ShaderModule", info)
         self.pipeline = functools.cache(self._new_pipeline)
 
     def release(self) -> None:

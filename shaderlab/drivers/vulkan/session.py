@@ -104,17 +104,14 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             raise UnsupportedError("vertex_array=False: Vulkan has no vertex arrays to leave out")
         program = self.program(draw)
         locations = program.locations(target.colors)
-        layout = Layout(
-            layout_of(description.mesh, program.attributes),
-            tuple(target.formats(locations, srgb=state.srgb).items()),
-            target.depth, target.samples, pipeline_state(state),
-        )  # fmt: skip
+        vertices = layout_of(description.mesh, program.attributes)
+        colors = tuple(target.formats(locations, srgb=state.srgb).items())
+        fixed = pipeline_state(state)
+        layout = Layout(vertices, colors, target.depth, target.samples, fixed)
         values = {**bindings.uniforms, HEIGHT: np.array([target.size[1]], np.float32)}
-        return Ready(
-            program, layout, locations, state,
-            upload(own, description.mesh), description.instances,
-            self._descriptors(own, program, draw, values, stored or {}),
-        )  # fmt: skip
+        buffers, count = upload(own, description.mesh), description.instances
+        bound = self._descriptors(own, program, draw, values, stored or {})
+        return Ready(program, layout, locations, state, buffers, count, bound)
 
     def program(self, draw: PreparedDraw) -> Program:
         own = draw.texts
@@ -184,10 +181,8 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             raise UnsupportedError(f"counting {counter}: this device has no {feature}")
         precise = constant("QUERY_CONTROL_PRECISE_BIT") if kind == "OCCLUSION" else 0
         with Resources(self.device) as own, self.fresh_target(key[0]) as target:
-            pool = own.create("QueryPool", Structs()(
-                "QueryPoolCreateInfo", queryType=constant(f"QUERY_TYPE_{kind}"), queryCount=1,
-                pipelineStatistics=bits,
-            ))  # fmt: skip
+            what = {"queryType": constant(f"QUERY_TYPE_{kind}"), "pipelineStatistics": bits}
+            pool = own.create("QueryPool", Structs()("QueryPoolCreateInfo", queryCount=1, **what))
             for index, draw in enumerate(self.programs[key[0]][: key[1] + 1]):
                 query = (pool, precise) if index == key[1] else None
                 self.render(draw, self.bindings[key[0], index], target, query=query)

@@ -265,12 +265,9 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             offsets: dict[str, int] = {}
             size = 0
             if name in program.blocks:
-                index = program.blocks[name]
-                size, offsets = gl.ask_all([
-                    ("getActiveUniformBlockParameter", program.handle, index,
-                     gl.UNIFORM_BLOCK_DATA_SIZE),
-                    ("offsets", program.handle, index),
-                ])  # fmt: skip
+                which = (program.handle, program.blocks[name])
+                whole = ("getActiveUniformBlockParameter", *which, gl.UNIFORM_BLOCK_DATA_SIZE)
+                size, offsets = gl.ask_all([whole, ("offsets", *which)])
             placed = {member.name: member.offset for member in block.members.values()}
             own = {}
             for member in placed:

@@ -45,10 +45,8 @@ class RenderTarget(Attachments):
         if self.depth and self._attached is None:
             self._attach(self._depth_point, self._depth_buffer or self.depth_texture)
         count = max(locations, default=-1) + 1
-        gl.drawBuffers([
-            getattr(gl, f"COLOR_ATTACHMENT{place}") if place in locations else gl.NONE
-            for place in range(count)
-        ])  # fmt: skip
+        words = [f"COLOR_ATTACHMENT{n}" if n in locations else "NONE" for n in range(count)]
+        gl.drawBuffers([getattr(gl, word) for word in words])
         self._attached = dict(locations)
         if locations:
             gl.ask_later(self._check, "checkFramebufferStatus", gl.FRAMEBUFFER)

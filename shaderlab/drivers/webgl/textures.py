@@ -310,12 +310,8 @@ class BoundTextures(SceneTextures[Any]):
         gl.texStorage2D(gl.TEXTURE_2D, len(sizes), constant, *blocks.size)
         for level, (size, data) in enumerate(zip(sizes, blocks.levels, strict=True)):
             gl.compressedTexSubImage2D(gl.TEXTURE_2D, level, 0, 0, *size, constant, data)
-        first, *smaller = (
-            np.rint(fetch_texels(self._device, texture.handle, size, level) * 255.0).astype(
-                np.uint8
-            )
-            for level, size in enumerate(sizes)
-        )
+        fetched = (fetch_texels(self._device, texture.handle, s, n) for n, s in enumerate(sizes))
+        first, *smaller = (np.rint(level * 255.0).astype(np.uint8) for level in fetched)
         return DeviceTexels(source, texture, "rgba8", first, tuple(smaller))
 
     def _new(
@@ -371,12 +367,8 @@ class BoundTextures(SceneTextures[Any]):
             faces = [f"CUBE_MAP_{way}_{axis}" for axis in "XYZ" for way in ("POSITIVE", "NEGATIVE")]
         found = []
         for level, size in enumerate(level_sizes(*texture.size)[1:], start=1):
-            each = [
-                read_attached(
-                    self._device, texture.handle, texture.word, size, level=level, face=face
-                )
-                for face in faces
-            ]
+            own = (self._device, texture.handle, texture.word, size)
+            each = [read_attached(*own, level=level, face=face) for face in faces]
             found.append(each[0] if texture.kind == "2D" else np.stack(each))
         return tuple(found)
 

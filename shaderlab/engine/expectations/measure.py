@@ -193,16 +193,11 @@ class Measure(DrawExpectation, Bounded):
         common = {each.name: getattr(self, each.name) for each in fields(Bounded)}
         del common["label"]
         readings = self.readings if len(self.readings) else (Reading(self.label, note=self.note),)
-        rows = tuple(
-            replace(
-                row,
-                reads={**self.reads, **row.reads},
-                given={**self.given, **row.given},
-                **({} if row.bound else common),
-            )
-            for row in readings
-        )
-        object.__setattr__(self, "readings", rows)
+        rows = []
+        for row in readings:
+            reads, given = {**self.reads, **row.reads}, {**self.given, **row.given}
+            rows.append(replace(row, reads=reads, given=given, **({} if row.bound else common)))
+        object.__setattr__(self, "readings", tuple(rows))
         self._check_readings()
 
     def _check_readings(self) -> None:

@@ -235,12 +235,9 @@ def cube_face(direction: Any) -> tuple[Integers, Array, Array]:
     major = np.take_along_axis(given, axis[..., None], -1)[..., 0]
     face = 2 * axis + (major < 0.0)
     table = np.array([[s[0], s[1], t[0], t[1]] for _, s, t in _TABLE])[face]
-    s, t = (
-        0.5 * (np.take_along_axis(given, table[..., k, None], -1)[..., 0] * table[..., k + 1])
-        / np.abs(major) + 0.5
-        for k in (0, 2)
-    )  # fmt: skip
-    return face, s, t
+    s, t = (np.take_along_axis(given, table[..., k, None], -1)[..., 0] for k in (0, 2))
+    s, t = s * table[..., 1], t * table[..., 3]
+    return face, 0.5 * s / np.abs(major) + 0.5, 0.5 * t / np.abs(major) + 0.5
 
 
 def find_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, Span]]:

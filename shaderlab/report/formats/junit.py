@@ -64,14 +64,9 @@ def _add_record(suite: ET.Element, record: Record) -> None:
 
 
 def _test(suite: ET.Element, record: Record, name: str, seconds: float) -> ET.Element:
-    return ET.SubElement(
-        suite,
-        "testcase",
-        classname=clean(record.id),
-        name=clean(f"{record.variant}: {name}"),
-        file=clean(record.file),
-        time=_seconds(seconds),
-    )
+    owner, title = clean(record.id), clean(f"{record.variant}: {name}")
+    place = {"file": clean(record.file), "time": _seconds(seconds)}
+    return ET.SubElement(suite, "testcase", {"classname": owner, "name": title, **place})
 
 
 def _verdict(test: ET.Element, tag: str | None, message: str, details: str) -> None:
