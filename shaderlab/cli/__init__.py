@@ -116,9 +116,11 @@ def _format_error(error: OSError | ShaderlabError) -> str:
 )
 @click.version_option(None, "-V", "--version", package_name="shaderlab", message="%(version)s")
 @click.option(
-    "--debug", is_flag=True, envvar=DEBUG,
+    "--debug",
+    is_flag=True,
+    envvar=DEBUG,
     help="Show a traceback for every error, in records as well.",
-)  # fmt: skip
+)
 @click.pass_context
 def cli(context: click.Context, debug: bool) -> None:
     """Test GLSL shaders: render without a GPU or a screen, compare every pixel with a Python

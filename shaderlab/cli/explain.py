@@ -56,19 +56,26 @@ class ExplainArguments:
 @click.command("explain")
 @click.argument("target", metavar="ID | ID[VARIANT] | FILE.py | SHADER")
 @click.option(
-    "--pixel", metavar="X,Y", callback=_parse_pixel,
+    "--pixel",
+    metavar="X,Y",
+    callback=_parse_pixel,
     help="The pixel, counted from 0 at the lower left.  [default: where the band is widest]",
-)  # fmt: skip
+)
 @click.option("--variant", metavar="NAME", help="The variant; by default the first.")
 @click.option("--pass", "pass_name", metavar="NAME", help="The pass; by default the last.")
 @click.option(
-    "--draw", type=int, default=-1,
+    "--draw",
+    type=int,
+    default=-1,
     help="The draw in that pass, counted from 0; by default the last.",
-)  # fmt: skip
+)
 @click.option(
-    "--size", type=click.IntRange(1, 4096), default=RunOptions.size, show_default=True,
+    "--size",
+    type=click.IntRange(1, 4096),
+    default=RunOptions.size,
+    show_default=True,
     help="The side of the rendered frame in pixels.",
-)  # fmt: skip
+)
 @shared.RANGES
 @shared.INCLUDE
 @shared.DRIVER

@@ -29,21 +29,30 @@ if TYPE_CHECKING:
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--all", "every", is_flag=True, help="Mutate every case that ships with shaderlab.")
 @click.option(
-    "--variant", "variants", multiple=True, metavar="V",
+    "--variant",
+    "variants",
+    multiple=True,
+    metavar="V",
     help="Judge by this variant only; may be repeated.",
-)  # fmt: skip
+)
 @click.option(
-    "--state/--no-state", default=True, show_default=True,
+    "--state/--no-state",
+    default=True,
+    show_default=True,
     help="Mutate fixed-function state too: depth, stencil, blending, culling.",
-)  # fmt: skip
+)
 @click.option(
-    "--api", is_flag=True,
+    "--api",
+    is_flag=True,
     help="Mutate OpenGL calls instead of shaders and state.",
-)  # fmt: skip
+)
 @click.option(
-    "--limit", type=click.IntRange(0), default=0, metavar="N",
+    "--limit",
+    type=click.IntRange(0),
+    default=0,
+    metavar="N",
     help="Judge at most N random mutants per case; 0, the default, judges all.",
-)  # fmt: skip
+)
 @click.option(
     "--seed", type=int, default=0, metavar="N", help="The seed of the sample that --limit takes."
 )
@@ -52,9 +61,11 @@ if TYPE_CHECKING:
 @shared.JSON
 @shared.report_option("Add the results to the run in DIR and to its page.")
 @click.option(
-    "--fail-under", type=click.FloatRange(0, 100), metavar="PERCENT",
+    "--fail-under",
+    type=click.FloatRange(0, 100),
+    metavar="PERCENT",
     help="Exit with 1 if the score is lower.",
-)  # fmt: skip
+)
 def command(
     targets: tuple[str, ...],
     every: bool,

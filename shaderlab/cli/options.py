@@ -36,15 +36,23 @@ if TYPE_CHECKING:
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 INCLUDE = click.option(
-    "--include", "-I", "includes", multiple=True,
-    type=click.Path(path_type=Path, exists=True, file_okay=False, resolve_path=True), metavar="DIR",
+    "--include",
+    "-I",
+    "includes",
+    multiple=True,
+    type=click.Path(path_type=Path, exists=True, file_okay=False, resolve_path=True),
+    metavar="DIR",
     help='Also search DIR for shaders and for #include "…"; may be repeated.',
-)  # fmt: skip
+)
 TARGET = click.option(
-    "--target", "-t", "compile_targets", multiple=True, metavar="T",
+    "--target",
+    "-t",
+    "compile_targets",
+    multiple=True,
+    metavar="T",
     callback=lambda context, option, names: _check_targets(names),
     help="Compile for this target only (glsl, opengl, vulkan, vulkan-strict); may be repeated.",
-)  # fmt: skip
+)
 JSON = click.option(
     "--json", "json_file", metavar="FILE", help="Write results as JSON; - writes to stdout."
 )
@@ -76,11 +84,16 @@ def report_option(help: str) -> Callable[[Command], Command]:
 def jobs_option(default: str = jobs.WORDS) -> Callable[[Command], Command]:
     """Add `--jobs N`, given as `workers`; None leaves the number to the lab."""
     return click.option(
-        "-j", "--jobs", "workers", type=click.IntRange(min=0),
-        default=int(default) if default.isdigit() else None, show_default=default,
-        envvar="SHADERLAB_JOBS", metavar="N",
+        "-j",
+        "--jobs",
+        "workers",
+        type=click.IntRange(min=0),
+        default=int(default) if default.isdigit() else None,
+        show_default=default,
+        envvar="SHADERLAB_JOBS",
+        metavar="N",
         help="Run in N worker processes; 0 runs in-process, without isolation or limits.",
-    )  # fmt: skip
+    )
 
 
 def collect(kind: type[Any], parameter: str) -> Callable[[Command], Command]:
@@ -102,15 +115,23 @@ def collect(kind: type[Any], parameter: str) -> Callable[[Command], Command]:
 def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Command], Command]:
     """Add `--timeout S` and `--memory GB`, given as `limits`."""
     timeout = click.option(
-        "--timeout", "seconds", type=click.FloatRange(min=0.0, min_open=True), default=seconds,
-        show_default=True, metavar="S",
+        "--timeout",
+        "seconds",
+        type=click.FloatRange(min=0.0, min_open=True),
+        default=seconds,
+        show_default=True,
+        metavar="S",
         help=help,
-    )  # fmt: skip
+    )
     memory = click.option(
-        "--memory", "gigabytes", type=click.FloatRange(min=0.0), default=Limits.gigabytes,
-        show_default=True, metavar="GB",
+        "--memory",
+        "gigabytes",
+        type=click.FloatRange(min=0.0),
+        default=Limits.gigabytes,
+        show_default=True,
+        metavar="GB",
         help="Limit the memory of each worker; 0 sets no limit.",
-    )  # fmt: skip
+    )
     return lambda command: timeout(memory(collect(Limits, "limits")(command)))
 
 
@@ -149,10 +170,13 @@ def _parse_range(word: str) -> tuple[str, str]:
 
 
 RANGES = click.option(
-    "--range", "ranges", multiple=True, metavar="NAME=A:B",
+    "--range",
+    "ranges",
+    multiple=True,
+    metavar="NAME=A:B",
     callback=lambda context, option, words: dict(map(_parse_range, words)),
     help="Vary an input from A to B; NAME=unit makes it a unit vector. May be repeated.",
-)  # fmt: skip
+)
 
 
 def resolve_shader(
@@ -268,9 +292,12 @@ def output_options(command: Command, formats: Sequence[Format] | None = None) ->
 
     for format in reversed(FORMATS if formats is None else formats):
         command = click.option(
-            f"--{format.name}", metavar="FILE", help=format.help, expose_value=False,
+            f"--{format.name}",
+            metavar="FILE",
+            help=format.help,
+            expose_value=False,
             callback=collect,
-        )(command)  # fmt: skip
+        )(command)
     return command
 
 

@@ -74,21 +74,34 @@ class RunArguments:
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--all", "every", is_flag=True, help="Run every case that ships with shaderlab.")
 @click.option(
-    "--variant", "variants", multiple=True, metavar="V",
+    "--variant",
+    "variants",
+    multiple=True,
+    metavar="V",
     help="Run only this variant; may be repeated.",
-)  # fmt: skip
+)
 @click.option(
-    "--size", type=click.IntRange(1, 4096), default=RunOptions.size, show_default=True, metavar="N",
+    "--size",
+    type=click.IntRange(1, 4096),
+    default=RunOptions.size,
+    show_default=True,
+    metavar="N",
     help="Judge N × N pixels where a case sets no size.",
-)  # fmt: skip
+)
 @click.option(
-    "--shader", "shaders", multiple=True, metavar="NAME=FILE",
+    "--shader",
+    "shaders",
+    multiple=True,
+    metavar="NAME=FILE",
     help="Use FILE instead of the shader NAME (its path, or the end of it).",
-)  # fmt: skip
+)
 @click.option(
-    "--rename", "renamed", multiple=True, metavar="NAME=OTHER",
+    "--rename",
+    "renamed",
+    multiple=True,
+    metavar="NAME=OTHER",
     help="Rename NAME in the files of --shader to OTHER, the name in the case.",
-)  # fmt: skip
+)
 @shared.output_options
 @shared.INCLUDE
 @shared.TARGET
@@ -97,13 +110,18 @@ class RunArguments:
 @shared.limits_option("Stop a variant that takes longer than S seconds.")
 @shared.report_option("Write the report to DIR instead of a new folder in reports/.")
 @click.option(
-    "--drivers", metavar="A,B,…", callback=lambda context, option, names: _parse_drivers(names),
+    "--drivers",
+    metavar="A,B,…",
+    callback=lambda context, option, names: _parse_drivers(names),
     help="Run on each of these drivers, and show where they disagree.",
-)  # fmt: skip
+)
 @click.option(
-    "--resume", is_flag=False, flag_value="", metavar="[FOLDER]",
+    "--resume",
+    is_flag=False,
+    flag_value="",
+    metavar="[FOLDER]",
     help="Resume the unfinished run in FOLDER; by default the latest run.",
-)  # fmt: skip
+)
 @click.option(
     "--pictures/--no-pictures", default=True, help="Render pictures for the report, or only judge."
 )

@@ -140,10 +140,17 @@ class SceneTextures(ABC, Generic[TargetKind]):
         check_sampler(program, variable, source, kind, format)
         found = self.find(source, kind)
         return Texels(
-            found.values, source.filter, source.wrap, source.border,
-            kind=kind, format=found.format, smaller=found.smaller, compare=source.compare,
-            lod=source.lod, seamless=getattr(source, "seamless", True),
-        )  # fmt: skip
+            found.values,
+            source.filter,
+            source.wrap,
+            source.border,
+            kind=kind,
+            format=found.format,
+            smaller=found.smaller,
+            compare=source.compare,
+            lod=source.lod,
+            seamless=getattr(source, "seamless", True),
+        )
 
     def kind(self, source: TextureSource, variable: Variable) -> str:
         """Return what a texture is to the sampler that reads it: "2D", "3D", "cube", "2DMS", …"""

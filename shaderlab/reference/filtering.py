@@ -62,9 +62,13 @@ def weight(coordinate: Value, size: Value, bits: int = 8) -> Value:
 
 
 def bilinear(
-    lower_left: Value, lower_right: Value, upper_left: Value, upper_right: Value,
-    across: Value, up: Value,
-) -> Value:  # fmt: skip
+    lower_left: Value,
+    lower_right: Value,
+    upper_left: Value,
+    upper_right: Value,
+    across: Value,
+    up: Value,
+) -> Value:
     """Four texels, interpolated along u and then along v (equation 8.17).
 
     Args:

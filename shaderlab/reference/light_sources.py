@@ -25,9 +25,16 @@ from shaderlab.reference.spotlight import spot_cosine, spot_intensity
 
 
 def directed(
-    direction: Value, view: Value, Normal: Value, Color: Value, specular: Value, shininess: Value,
-    light_diffuse: Value, light_specular: Value, highlight: Callable[..., Value] = phong,
-) -> Value:  # fmt: skip
+    direction: Value,
+    view: Value,
+    Normal: Value,
+    Color: Value,
+    specular: Value,
+    shininess: Value,
+    light_diffuse: Value,
+    light_specular: Value,
+    highlight: Callable[..., Value] = phong,
+) -> Value:
     """Diffuse and specular part of light from one direction, (…, 3).
 
     Args:
@@ -53,9 +60,17 @@ def direction_to_light(light_direction: Value) -> Value:
 
 
 def directional(
-    FragPos: Value, Normal: Value, Color: Value, viewPos: Value, specular: Value, shininess: Value,
-    light_direction: Value, light_ambient: Value, light_diffuse: Value, light_specular: Value,
-) -> Value:  # fmt: skip
+    FragPos: Value,
+    Normal: Value,
+    Color: Value,
+    viewPos: Value,
+    specular: Value,
+    shininess: Value,
+    light_direction: Value,
+    light_ambient: Value,
+    light_diffuse: Value,
+    light_specular: Value,
+) -> Value:
     """Directional light: parallel, without attenuation.
 
     >>> down, white, eye = np.array([0.0, 0.0, -1.0]), np.ones(3), np.array([0.0, 0.0, 3.0])
@@ -85,11 +100,21 @@ def fading(
 
 
 def point(
-    FragPos: Value, Normal: Value, Color: Value, viewPos: Value, specular: Value, shininess: Value,
-    light_position: Value, light_constant: Value, light_linear: Value, light_quadratic: Value,
-    light_ambient: Value, light_diffuse: Value, light_specular: Value,
+    FragPos: Value,
+    Normal: Value,
+    Color: Value,
+    viewPos: Value,
+    specular: Value,
+    shininess: Value,
+    light_position: Value,
+    light_constant: Value,
+    light_linear: Value,
+    light_quadratic: Value,
+    light_ambient: Value,
+    light_diffuse: Value,
+    light_specular: Value,
     highlight: Callable[..., Value] = phong,
-) -> Value:  # fmt: skip
+) -> Value:
     """A point light; attenuation applies to all three parts.
 
     >>> up, white, dark = np.eye(3)[2], np.ones(3), np.zeros(3)
@@ -104,10 +129,19 @@ def point(
 
 
 def hard_spot(
-    FragPos: Value, Normal: Value, Color: Value, viewPos: Value, specular: Value, shininess: Value,
-    light_position: Value, light_direction: Value, light_cutOff: Value, light_ambient: Value,
-    light_diffuse: Value, light_specular: Value,
-) -> Value:  # fmt: skip
+    FragPos: Value,
+    Normal: Value,
+    Color: Value,
+    viewPos: Value,
+    specular: Value,
+    shininess: Value,
+    light_position: Value,
+    light_direction: Value,
+    light_cutOff: Value,
+    light_ambient: Value,
+    light_diffuse: Value,
+    light_specular: Value,
+) -> Value:
     """A spot light with a hard edge: all parts where cos θ > cos φ, else the ambient part alone.
 
     >>> up, white, dark = np.eye(3)[2], np.ones(3), np.zeros(3)
@@ -124,11 +158,23 @@ def hard_spot(
 
 
 def soft_spot(
-    FragPos: Value, Normal: Value, Color: Value, viewPos: Value, specular: Value, shininess: Value,
-    light_position: Value, light_direction: Value, light_cutOff: Value, light_outerCutOff: Value,
-    light_constant: Value, light_linear: Value, light_quadratic: Value, light_ambient: Value,
-    light_diffuse: Value, light_specular: Value,
-) -> Value:  # fmt: skip
+    FragPos: Value,
+    Normal: Value,
+    Color: Value,
+    viewPos: Value,
+    specular: Value,
+    shininess: Value,
+    light_position: Value,
+    light_direction: Value,
+    light_cutOff: Value,
+    light_outerCutOff: Value,
+    light_constant: Value,
+    light_linear: Value,
+    light_quadratic: Value,
+    light_ambient: Value,
+    light_diffuse: Value,
+    light_specular: Value,
+) -> Value:
     """A spot light with a soft edge; the ambient part is not limited to the cone.
 
     >>> up, white, dark, full = np.eye(3)[2], np.ones(3), np.zeros(3), (1.0, 0.0, 0.0)
@@ -143,12 +189,21 @@ def soft_spot(
 
 
 def points(
-    FragPos: Value, Normal: Value, Color: Value, viewPos: Value, specular: Value, shininess: Value,
-    pointLights_position: Sequence[Value], pointLights_constant: Sequence[Value],
-    pointLights_linear: Sequence[Value], pointLights_quadratic: Sequence[Value],
-    pointLights_ambient: Sequence[Value], pointLights_diffuse: Sequence[Value],
-    pointLights_specular: Sequence[Value], highlight: Callable[..., Value] = phong,
-) -> Value:  # fmt: skip
+    FragPos: Value,
+    Normal: Value,
+    Color: Value,
+    viewPos: Value,
+    specular: Value,
+    shininess: Value,
+    pointLights_position: Sequence[Value],
+    pointLights_constant: Sequence[Value],
+    pointLights_linear: Sequence[Value],
+    pointLights_quadratic: Sequence[Value],
+    pointLights_ambient: Sequence[Value],
+    pointLights_diffuse: Sequence[Value],
+    pointLights_specular: Sequence[Value],
+    highlight: Callable[..., Value] = phong,
+) -> Value:
     """The sum of several point lights; each argument of theirs is a list.
 
     >>> up, white, dark = np.eye(3)[2], np.ones(3), np.zeros(3)
@@ -160,8 +215,14 @@ def points(
     lit = partial(point, *surface, highlight=highlight)
     total: Value = np.zeros(1)
     for lamp in zip(
-        pointLights_position, pointLights_constant, pointLights_linear, pointLights_quadratic,
-        pointLights_ambient, pointLights_diffuse, pointLights_specular, strict=True,
-    ):  # fmt: skip
+        pointLights_position,
+        pointLights_constant,
+        pointLights_linear,
+        pointLights_quadratic,
+        pointLights_ambient,
+        pointLights_diffuse,
+        pointLights_specular,
+        strict=True,
+    ):
         total = total + lit(*lamp)
     return total

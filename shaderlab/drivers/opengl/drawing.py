@@ -348,9 +348,14 @@ def _group_parts(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
 
 
 def _draw_into_buffer(
-    drawing: Drawing, draw: PreparedDraw, program: Any, mode: int, bindings: Bindings,
-    room: int, stride: int,
-) -> tuple[int, bytes]:  # fmt: skip
+    drawing: Drawing,
+    draw: PreparedDraw,
+    program: Any,
+    mode: int,
+    bindings: Bindings,
+    room: int,
+    stride: int,
+) -> tuple[int, bytes]:
     """Draw into a buffer with room for so many vertices of `stride` bytes: how many there would
     have been, and what was written. Raises DriverError: the buffer is large enough, but less was
     written."""

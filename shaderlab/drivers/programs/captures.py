@@ -97,10 +97,15 @@ def _points_of(
     attributes = {name: bind.select_part(inputs, part) for part, name in columns.items()}
     attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
     points = replace(
-        draw.draw, vertex="<probe>", geometry=None, domain=None, instances=1, vertex_array=True,
+        draw.draw,
+        vertex="<probe>",
+        geometry=None,
+        domain=None,
+        instances=1,
+        vertex_array=True,
         mesh=Mesh(attributes=attributes, primitive="points"),
         state=State(stencil=Stencil(depth_pass="incr")) if discards else State(),
-    )  # fmt: skip
+    )
     return replace(draw, draw=points, rewritten={"vertex": vertex, "fragment": text})
 
 

@@ -51,10 +51,11 @@ def make_sources(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tupl
     """The stages with these texts, as compilers take them: `known` ones where they are the same."""
     own = {source.stage: source for source in known}
     return tuple(
-        own[stage] if stage in own and own[stage].text == text else
-        _NO_FILES.from_text(text, stage, own[stage].path if stage in own else f"<{stage}>")
+        own[stage]
+        if stage in own and own[stage].text == text
+        else _NO_FILES.from_text(text, stage, own[stage].path if stage in own else f"<{stage}>")
         for stage, text in texts.items()
-    )  # fmt: skip
+    )
 
 
 def compile_to_modules(sources: Sequence[Source], target: str, api: str) -> Compiled:

@@ -260,11 +260,15 @@ def _image_contents(
     bind.compare("image", draw, draw.images, known)
     return {
         name: Texels(
-            _texels_given(draw, known[name], value, folder, images), _NEAREST, _EDGE, (0.0,) * 4,
-            kind=_image_kind(known[name]), format=_image_format(known[name]),
+            _texels_given(draw, known[name], value, folder, images),
+            _NEAREST,
+            _EDGE,
+            (0.0,) * 4,
+            kind=_image_kind(known[name]),
+            format=_image_format(known[name]),
         )
         for name, value in draw.images.items()
-    }  # fmt: skip
+    }
 
 
 def image_output(image: Texels) -> Image:

@@ -330,9 +330,13 @@ class BoundTextures(SceneTextures[RenderTarget]):
         format = choose_format(self._device, source.format, "sampled_image")
         given = [np.stack(images.layers), *(level[None] for level in images.smaller)]
         made = self._image(
-            format, (width, height), kind=kind, layers=len(images.layers),
-            mipmaps=source.mipmaps is True, levels=len(given),
-        )  # fmt: skip
+            format,
+            (width, height),
+            kind=kind,
+            layers=len(images.layers),
+            mipmaps=source.mipmaps is True,
+            levels=len(given),
+        )
         fill(self._device, made, given)
         values, smaller = images.layers[0], tuple(images.smaller)
         if kind != "2D" or format in textures.DEPTH:

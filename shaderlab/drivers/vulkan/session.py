@@ -250,8 +250,9 @@ class VulkanBackend(DeviceBackend):
         except ShaderError as error:
             raise DriverError(
                 "a Vulkan driver takes no GLSL, and this program has no SPIR-V modules",
-                file=error.file, line=error.line,
-            ) from error  # fmt: skip
+                file=error.file,
+                line=error.line,
+            ) from error
         check_capabilities(self.device, modules)
         return Verdict(target=DRIVER, ok=True)
 

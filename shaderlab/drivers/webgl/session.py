@@ -321,8 +321,9 @@ class WebGLBackend(DeviceBackend):
         except ShaderError as error:
             raise DriverError(
                 "WebGL2 gets ESSL made of a module, and of this program there is none",
-                file=error.file, line=error.line,
-            ) from error  # fmt: skip
+                file=error.file,
+                line=error.line,
+            ) from error
         with Objects(self.device.gl) as own:
             refused = find_refusal(self.device.gl, own.new("Program"), essl)
         said = (sources[0].diagnostic(refused),) if refused else ()

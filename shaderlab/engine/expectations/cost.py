@@ -146,10 +146,13 @@ class Cost(Expectation):
         )
         # Each N is usually a multiple of the last, and 0 has no logarithm.
         return Plot(
-            title=self.name, x_label=self.over, y_label="ms, the best of several (not judged)",
-            points=points, log_x=min(numbers) > 0.0,
+            title=self.name,
+            x_label=self.over,
+            y_label="ms, the best of several (not judged)",
+            points=points,
+            log_x=min(numbers) > 0.0,
             log_y=all(seconds > 0.0 for seconds in best.values()),
-        )  # fmt: skip
+        )
 
 
 def _add_ratios(rows: list[Row], best: Best) -> list[Row]:

@@ -71,11 +71,14 @@ class Exact(OutputExpectation):
             same = every_component(view_bits(values) == view_bits(wanted))
         outside = int((~same).sum())
         outcome = Outcome(
-            name=self.name, kind=self.kind, status="fail" if outside else "pass",
-            message=f"{outside} of {same.size} pixels differ" if outside else "", judged=same.size,
+            name=self.name,
+            kind=self.kind,
+            status="fail" if outside else "pass",
+            message=f"{outside} of {same.size} pixels differ" if outside else "",
+            judged=same.size,
             outside=outside,
             worst=_find_first_difference(same, values, wanted) if outside else None,
-        )  # fmt: skip
+        )
         if not outside and not self.pictured:
             return Judgement(outcome=outcome)
 
@@ -140,9 +143,15 @@ def _find_first_difference(same: Array, values: Array, wanted: Array) -> Worst:
     measured, reference = to_tuple(values[y, x]), to_tuple(wanted[y, x])
     differs = [m != r for m, r in zip(measured, reference, strict=True)]
     return Worst(
-        pixel=(x, y), component=differs.index(True) if any(differs) else 0, measured=measured,
-        reference=reference, low=reference, high=reference, ulp=float("nan"), widths=float("inf"),
-    )  # fmt: skip
+        pixel=(x, y),
+        component=differs.index(True) if any(differs) else 0,
+        measured=measured,
+        reference=reference,
+        low=reference,
+        high=reference,
+        ulp=float("nan"),
+        widths=float("inf"),
+    )
 
 
 def _cell_indices(pixels: int, cells: int) -> Any:

@@ -73,9 +73,15 @@ class ReferenceExpectation(OutputExpectation):
         """The judgement of banded values; `shown` is what else `Judgement` has to show."""
         status, message = verdict
         outcome = banded.outcome(
-            covered, name=self.name, kind=self.kind, status=status, message=message,
-            rows=tuple(rows), rows_show_worst=rows_show_worst, sources=(banded.source,),
-        )  # fmt: skip
+            covered,
+            name=self.name,
+            kind=self.kind,
+            status=status,
+            message=message,
+            rows=tuple(rows),
+            rows_show_worst=rows_show_worst,
+            sources=(banded.source,),
+        )
         return Judgement(outcome=outcome, output=(self.key(scene), self.own_name(scene)), **shown)
 
 

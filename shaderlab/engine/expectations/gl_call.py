@@ -267,6 +267,10 @@ def gl_calls(
         )
     words = {key: str(value) for key, value in arguments.items()}
     return GlCalls(
-        name=name or function, function=function, arguments=words, times=times, after=after,
+        name=name or function,
+        function=function,
+        arguments=words,
+        times=times,
+        after=after,
         pass_name=pass_name,
-    )  # fmt: skip
+    )

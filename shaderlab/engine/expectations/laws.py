@@ -125,10 +125,14 @@ class EachValue(OutputLaw):
             }
 
         outcome = Outcome(
-            name=self.name, kind=self.kind, status="fail" if message else "pass", message=message,
-            judged=measured.size, outside=wrong,
+            name=self.name,
+            kind=self.kind,
+            status="fail" if message else "pass",
+            message=message,
+            judged=measured.size,
+            outside=wrong,
             worst=found.find_worst(count, inputs_of, broken=bool(message)),
-        )  # fmt: skip
+        )
         return Judgement(outcome=outcome)
 
 

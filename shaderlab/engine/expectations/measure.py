@@ -254,11 +254,16 @@ class Measure(DrawExpectation, Bounded):
             others = f" (and {len(wrong) - 1} more of {len(rows)})" if len(wrong) > 1 else ""
             message = f"{what}measured {first.measured}, expected {first.expected}{others}"
         outcome = Outcome(
-            name=self.name, kind=self.kind, status="fail" if wrong else "pass", message=message,
-            judged=sum(row.bound is not None for row in self.readings), outside=len(wrong),
-            rows=rows, rows_heading=self.name if len(rows) > 1 else "",
+            name=self.name,
+            kind=self.kind,
+            status="fail" if wrong else "pass",
+            message=message,
+            judged=sum(row.bound is not None for row in self.readings),
+            outside=len(wrong),
+            rows=rows,
+            rows_heading=self.name if len(rows) > 1 else "",
             sources=(source_of(self.statistic),),
-        )  # fmt: skip
+        )
         return Judgement(outcome=outcome, plot=self._plot(figures, rows))
 
     def _find_known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
@@ -365,9 +370,13 @@ class Measure(DrawExpectation, Bounded):
         if len(points) < 2:
             return None
         return Plot(
-            title=self.name, x_label=self.x_label, y_label=self.y_label or self.label,
-            points=points, log_x=self.log_x, log_y=self.log_y,
-        )  # fmt: skip
+            title=self.name,
+            x_label=self.x_label,
+            y_label=self.y_label or self.label,
+            points=points,
+            log_x=self.log_x,
+            log_y=self.log_y,
+        )
 
 
 def _draw_values(bindings: Bindings) -> dict[str, Array]:

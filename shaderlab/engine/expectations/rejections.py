@@ -165,9 +165,12 @@ def compile_fails(
         places.append(place)
     label = " + ".join(shaders)
     return CompileFails(
-        shaders=shaders, messages=tuple(places), driver=driver, departs=departs,
+        shaders=shaders,
+        messages=tuple(places),
+        driver=driver,
+        departs=departs,
         name=name or f"{label} is refused",
-    )  # fmt: skip
+    )
 
 
 def _format_place(place: Place) -> str:

@@ -148,10 +148,14 @@ class Banded(BoundedValues):
         those of values whose band allows anything, and that took both sides of a branch."""
         count = max(self.measured.size, 1)
         return Outcome(
-            judged=int(self.measured.size), outside=self.outside, worst=self.worst(covered),
-            vacuous=self.band.vacuous / count, undecided=self.band.undecided / count,
-            informative=self.band.informative_share, **said,
-        )  # fmt: skip
+            judged=int(self.measured.size),
+            outside=self.outside,
+            worst=self.worst(covered),
+            vacuous=self.band.vacuous / count,
+            undecided=self.band.undecided / count,
+            informative=self.band.informative_share,
+            **said,
+        )
 
     @property
     def reference(self) -> Array:
@@ -175,12 +179,16 @@ class Banded(BoundedValues):
         self._require_inside(i, reference)
         names = [name for names in self.band.parameters.values() for name in names]
         return Worst(
-            pixel=None if covered is None else _pixel(covered, i), component=c,
-            measured=to_tuple(self.measured[i]), reference=to_tuple(reference),
-            low=to_tuple(self.low[i]), high=to_tuple(self.high[i]),
+            pixel=None if covered is None else _pixel(covered, i),
+            component=c,
+            measured=to_tuple(self.measured[i]),
+            reference=to_tuple(reference),
+            low=to_tuple(self.low[i]),
+            high=to_tuple(self.high[i]),
             ulp=ulp_distance(self.measured[i, c], reference[c], self.unit),
-            widths=self.widths_at(i, c), inputs=self.inputs.at(i, names),
-        )  # fmt: skip
+            widths=self.widths_at(i, c),
+            inputs=self.inputs.at(i, names),
+        )
 
     def curve(
         self, title: str, over: str, label: str, x: Sequence[float], rows: Any = slice(None)
@@ -204,10 +212,11 @@ class Banded(BoundedValues):
             raise FormulaError(
                 f"the reference's float64 value lies outside its band: {reference[c]:.9g} is not "
                 f"in [{low[c]:.9g}, {high[c]:.9g}]",
-                file=self.source.file, line=self.source.line,
+                file=self.source.file,
+                line=self.source.line,
                 remedy="the formula gives arrays and bands different values, or the lab is wrong; "
                 "in the latter case please report it",
-            )  # fmt: skip
+            )
 
     def verdict(self) -> tuple[str, str]:
         """("pass" or "fail", what to say about it)."""

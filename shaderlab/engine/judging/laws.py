@@ -61,10 +61,16 @@ class Finding:
             for part in parts
         )
         return Worst(
-            pixel=None, component=c, measured=measured, reference=reference, low=low, high=high,
-            ulp=ulp_distance(measured[c], reference[c]), widths=math.inf if broken else 0.0,
+            pixel=None,
+            component=c,
+            measured=measured,
+            reference=reference,
+            low=low,
+            high=high,
+            ulp=ulp_distance(measured[c], reference[c]),
+            widths=math.inf if broken else 0.0,
             inputs=inputs(i),
-        )  # fmt: skip
+        )
 
 
 def fit_shape(values: Any, shape: tuple[int, ...], label: str) -> Array:
@@ -127,9 +133,13 @@ class Bounded(Law):
         low, high = (fit_shape(end, values.shape, "a bound") for end in self.ends)
         slack = np.minimum(numbers - low, high - numbers)
         return Finding(
-            values=values, holds=slack >= 0.0, slack=slack, reference=np.clip(numbers, low, high),
-            low=low, high=high,
-        )  # fmt: skip
+            values=values,
+            holds=slack >= 0.0,
+            slack=slack,
+            reference=np.clip(numbers, low, high),
+            low=low,
+            high=high,
+        )
 
 
 @dataclass(frozen=True)
@@ -173,10 +183,14 @@ class Monotone(Law):
         before = np.take(ordered, np.maximum(back - 1, 0), axis=axis)
         rising = self.direction == "increasing"
         return Finding(
-            values=values, holds=slack > 0.0 if self.strict else slack >= 0.0, slack=slack,
-            reference=before, low=before if rising else -np.inf, high=np.inf if rising else before,
+            values=values,
+            holds=slack > 0.0 if self.strict else slack >= 0.0,
+            slack=slack,
+            reference=before,
+            low=before if rising else -np.inf,
+            high=np.inf if rising else before,
             trivial=_constant(values, batch),
-        )  # fmt: skip
+        )
 
     def _judge_components(self, x: Array, values: Array, batch: Batch) -> Finding:
         """Hold each component against the law as its own component of the input grows."""
@@ -218,10 +232,14 @@ class Close(Checked):
             if values.dtype.kind == "f":
                 holds |= np.isnan(values) & np.isnan(wanted)
             return Finding(
-                values=values, holds=holds,
-                slack=np.where(holds, np.fmax(slack, 0.0), slack) / last, reference=other,
-                low=wanted - allowed, high=wanted + allowed, trivial=trivial,
-            )  # fmt: skip
+                values=values,
+                holds=holds,
+                slack=np.where(holds, np.fmax(slack, 0.0), slack) / last,
+                reference=other,
+                low=wanted - allowed,
+                high=wanted + allowed,
+                trivial=trivial,
+            )
 
 
 @dataclass(frozen=True)
