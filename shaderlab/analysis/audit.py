@@ -255,12 +255,13 @@ def _alternatives(
     if domains is None:
         return
     texels = {name: add_mipmaps(own) for name, own in batch.bindings.textures.items()}
-    yield replace(batch, bindings=replace(batch.bindings, textures=texels)), one
+    alternatives = [replace(batch, bindings=replace(batch.bindings, textures=texels))]
     if not asks_for_neighbours(program, others.bindings):
-        mixed = mix_batches(batch, row, others)
-        found = find_failing(program, mixed, made_up=True).get(place)
+        alternatives.append(mix_batches(batch, row, others))
+    for some in alternatives:
+        found = find_failing(program, some, made_up=True).get(place)
         if found is not None:
-            yield mixed, found
+            yield some, found
 
 
 def _deduplicate(hazards: Sequence[Hazard]) -> list[Hazard]:

@@ -134,6 +134,13 @@ def test_texels_outside_of_a_texture(value: str, kind: str) -> None:
     assert shown == ([(14, f"{kind} out of range")] if kind else [])
 
 
+def test_levels_of_a_texture_decide_both_what_goes_wrong_and_what_depends_on_it() -> None:
+    levels = "float a = textureLod(image, uv, y).r, b = textureLod(image, uv, 0.0).r;"
+    body = f"{levels} float d = 1.0 / (a - b); FragColor = vec4(a == b ? 0.0 : d);"
+    assert not audit(body).hazards
+    assert audit(body.replace("a == b ? 0.0 : d", "d")).hazards
+
+
 def test_two_places_seldom_meet_and_two_vectors_do() -> None:
     (hazard,) = audit("normalize(lightPos - FragPos).x").hazards
     assert not hazard.evident
