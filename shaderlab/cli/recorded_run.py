@@ -41,16 +41,9 @@ class RunPlan:
 class Journal(contextlib.AbstractContextManager["Journal"]):
     """The file of a run that is going on. A context manager.
 
-    Only one run at a time may write to a folder; the lock goes with the process.
-
-    Attributes:
-        problem: why records are no longer written, such as a full disk; None while they are.
-
-    Args:
-        plan: what is run; None resumes the run that is there.
-
-    Raises:
-        UsageError: another run is writing to this folder, or it can't be written to.
+    Only one run at a time may write to a folder; the lock goes with the process. Raises UsageError:
+    another run is writing there, or it can't be written to. `plan` is what is run; None resumes the
+    run that is there. `problem` is why records are no longer written, such as a full disk, or None.
     """
 
     def __init__(self, folder: Path, plan: RunPlan | None) -> None:

@@ -130,11 +130,8 @@ def judge_every(
 
     Values all over the ranges are judged as `check` does. Of the others those are within their
     bands that are one of the two floats about what the formula gives in float64: a band holds that,
-    and ends at floats. So bands are evaluated for the rest alone.
-
-    Returns:
-        The calls that show a failure, else some of them all over the range; and the outcomes.
-    """
+    and ends at floats. So bands are evaluated for the rest alone. Returns the calls that show a
+    failure, else some of them all over the range; and the outcomes."""
     grid = Grid(function, arguments, named, step)
     some = np.unique(np.linspace(0, grid.count - 1, _FIRST).astype(np.int64))
     first = grid.bind(some)

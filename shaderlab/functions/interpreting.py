@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import itertools
 import re
 import tempfile
@@ -21,7 +22,7 @@ from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.analysis.requests import ShaderOfFile, assume
 from shaderlab.compiler.dialects import raise_version
 from shaderlab.compiler.shader_files import OWN
-from shaderlab.compiler.sources import LineMap, Source
+from shaderlab.compiler.sources import LineMap, Source, find_definers
 from shaderlab.compiler.translation import find_compiler
 from shaderlab.engine.jobs import BareWorker
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
@@ -42,6 +43,7 @@ from shaderlab.functions.signatures import (
     read_declarations,
 )
 
+_START = re.compile(r"[ \t]*#[ \t]*(?:version|extension)\b")
 _WORDS = re.compile(r"(?<![.\w])[A-Za-z_]\w*+(?!\s*\()")  # that are no functions
 
 _KINDS = {"vec": "float", "bvec": "bool", "ivec": "int", "uvec": "uint"}
@@ -68,12 +70,17 @@ def find_entry_points(
     found = []
     signatures = list(itertools.chain.from_iterable(find_signatures(known).values()))
     own = [one for one in signatures if source.place(one.line)[0] == own_file]
+    whole = _compiles(source)
     for signature in own or signatures:
         place = source.place(signature.line)
         signature = replace(signature, parameters=named.get(_key(signature), signature.parameters))
         added = "\n".join(_main_lines(signature, taken)) + "\n"
         lines = LineMap.of(places + [(*place, 1)] * added.count("\n"))
-        text = f"{source.text}\n{added}"
+        rows = source.text.split("\n")
+        if not whole and not signature.globals:  # what it needs, of a file that does not compile
+            code = itertools.chain(signature.code.split("\n"), itertools.repeat(""))
+            rows = [row if _START.match(row) else new for row, new in zip(rows, code, strict=False)]
+        text = "\n".join([*rows, added])
         made = replace(source, stage="fragment", text=text, lines=lines, stripped=None)
         if not has_version(written):
             made = as_version(made, glsl_version(written, made.code))
@@ -81,6 +88,15 @@ def find_entry_points(
     if not found:
         raise ShaderError("there is no function in it, and no main", file=own_file)
     return sorted(found, key=lambda one: one[0].line)
+
+
+def _compiles(source: Source) -> bool:
+    text = f"{source.text}\nvoid main() {{}}\n"
+    try:
+        load(replace(source, stage="fragment", text=text, stripped=None))
+    except ShaderlabError:
+        return False
+    return True
 
 
 def _key(one: Signature) -> tuple[str, ...]:
@@ -155,8 +171,10 @@ Plan = TypeVar("Plan", AuditPlan, ComparisonPlan)
 
 def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -> list[Audit]:
     """The `Audit` of a file's functions as one, and one of each that is refused."""
-    found, refused = [], []
-    functions = find_entry_points(shader.source("fragment"), worker)
+    found, refused, written = [], [], shader.source("fragment")
+    folders = [Path(shader.file.root), *map(Path, shader.include)]
+    remedy = functools.cache(lambda message: find_definers(message, written, folders))
+    functions = find_entry_points(written, worker)
     _check_ranges(plan.ranges, functions)
     for signature, source in functions:
         name = signature.name
@@ -170,6 +188,9 @@ def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -
         except UsageError:
             raise
         except ShaderlabError as error:
+            if "nothing defines" in signature.obstacle:  # which is a syntax error to compilers
+                error.message = signature.obstacle
+            error.remedy = error.remedy or remedy(error.message)
             why = f"{shader.file.path}: {name}: {error}"
             refused.append(Audit(file=shader.file.path, hazards=(), tried=0, refused=why))
             continue

@@ -268,6 +268,10 @@ def test_what_a_file_lacks_is_looked_for_in_its_library(tmp_path: Path) -> None:
     (tmp_path / "turn.glsl").write_text("float turn(float x) { return x * TAU; }\n")
     with pytest.raises(ShaderError, match=r"const.glsl or .*more.glsl: include it first"):
         glsl.load(tmp_path / "turn.glsl").turn(1.0)
+    status, said = call("audit", tmp_path / "turn.glsl")
+    assert status == 2 and "TAU is defined in" in said and "more.glsl: include it first" in said
+    said = call("audit", tmp_path / "ray.glsl")[1]
+    assert "ray is a Ray, which nothing defines" in said and "math/types.glsl" in said
 
 
 def test_a_text_may_only_include(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -285,3 +289,18 @@ def test_what_another_stage_has_is_not_taken_for_the_fixed_function_pipeline(
     file.write_text("uint group() { return gl_WorkGroupID.x; }\n")
     said = call("audit", file)[1]
     assert "'gl_WorkGroupID' : undeclared" in said and "fixed-function" not in said
+
+
+def test_a_function_that_can_not_be_compiled_takes_no_other_with_it(tmp_path: Path) -> None:
+    good = "float half_of(float x) { return 0.5 * x; }\n"
+    for name, half in (("old", "0.5"), ("new", "0.25")):
+        lacking = (
+            "float along(Ray ray) { return ray.along.x; }\nfloat turn(float x) { return TAU; }\n"
+        )
+        text = f"// {name}\n#version 330 core\n{lacking}{good.replace('0.5', half)}"
+        (tmp_path / f"{name}.glsl").write_text(text)
+    said = call("audit", tmp_path / "old.glsl")[1]
+    assert "old.glsl: no hazards" in said and "half_of: x: 0..1" in said
+    assert "along: " in said and "turn: " in said
+    said = call("diff", tmp_path / "old.glsl", tmp_path / "new.glsl")[1]
+    assert "half_of: different" in said and "undetermined for along" in said
