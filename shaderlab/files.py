@@ -180,14 +180,8 @@ def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
     Links stay: the file that they lead to is written. A pipe, a terminal or another device is
     written to, and so is an open descriptor (/dev/stdout, /dev/fd/3, a shell's `>(…)`). A regular
     file keeps its permissions; one that can't be replaced, since only the file itself may be
-    written, is written in place. Missing folders are made.
-
-    Args:
-        append: after what is in it already.
-
-    Raises:
-        OSError: it can't be written.
-    """
+    written, is written in place; or with `append` after what is in it already. Missing folders are
+    made. Raises OSError: it can't be written."""
     target, descriptor = _follow_links(Path(path))
     if descriptor is not None:
         with os.fdopen(os.dup(descriptor), "wb") as file:

@@ -70,7 +70,10 @@ def find_entry_points(
     found = []
     signatures = list(itertools.chain.from_iterable(find_signatures(known).values()))
     own = [one for one in signatures if source.place(one.line)[0] == own_file]
-    whole = _compiles(source)
+    whole = False
+    with contextlib.suppress(ShaderlabError):
+        text = f"{source.text}\nvoid main() {{}}\n"
+        whole = bool(load(replace(source, stage="fragment", text=text, stripped=None)))
     for signature in own or signatures:
         place = source.place(signature.line)
         signature = replace(signature, parameters=named.get(_key(signature), signature.parameters))
@@ -88,15 +91,6 @@ def find_entry_points(
     if not found:
         raise ShaderError("there is no function in it, and no main", file=own_file)
     return sorted(found, key=lambda one: one[0].line)
-
-
-def _compiles(source: Source) -> bool:
-    text = f"{source.text}\nvoid main() {{}}\n"
-    try:
-        load(replace(source, stage="fragment", text=text, stripped=None))
-    except ShaderlabError:
-        return False
-    return True
 
 
 def _key(one: Signature) -> tuple[str, ...]:

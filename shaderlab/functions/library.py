@@ -239,10 +239,8 @@ class Function:
                 or integer, or several with at most 2³³ combinations; between two `np.float16`, the
                 floats of 16 bits. 16 checks each 16th.
 
-        Raises:
-            AssertionError: it does not hold; the message shows where.
-            CallError, ShaderError: as in a call; or the reference takes other arguments.
-        """
+        Raises AssertionError: it does not hold, and where; CallError, ShaderError: as in a call; or
+        the reference takes other arguments."""
         __tracebackhide__ = True
         curves: list[Curve] = []
         try:
@@ -282,10 +280,8 @@ class Function:
             ranges: both ends for each argument by its name (`light_reach` is light.reach), or
                 "unit" for vectors of length 1; of a texture's texels 0 to 1 by default.
 
-        Raises:
-            AssertionError: an input for which it does not hold, or what is left open.
-            CallError: a range is missing, or the function can't be interpreted alone.
-        """
+        Raises AssertionError: an input for which it does not hold, or what is left open; CallError:
+        a range is missing, or the function can't be interpreted alone."""
         __tracebackhide__ = True
         from shaderlab.functions.proving import prove_law
 
@@ -342,11 +338,9 @@ def load(
         defines: macros to put after its `#version`.
         given: values of uniforms and other globals, where a call has none.
 
-    Raises:
-        ShaderError: there is no such file, or it or one of its includes can't be read.
-        ArgumentsError: a name of `given` is none of the file's globals.
-        CallError: the file does not read one of the macros.
-    """
+    Raises ShaderError: there is no such file, or it or one of its includes can't be read;
+    ArgumentsError: a name of `given` is none of the file's globals; CallError: the file does not
+    read one of the macros."""
     check_arguments(load, shader=shader, defines=defines)
     if isinstance(shader, str) and re.search("[{\n]", shader):
         folders = _folders(sys._getframe(1).f_globals)
