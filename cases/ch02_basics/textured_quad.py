@@ -9,7 +9,7 @@ Look at: the crate on the left as it is, all of its corners white. On the right 
 green, blue and yellow, and the same planks take the colour of the corner that is nearest.
 
 Try: in `ch02_basics/textured_quad.frag` write `texture(ourTexture, 2.0 * TexCoord)` for
-`texture(ourTexture, TexCoord)`: the crate is half as wide and half as high.
+`texture(ourTexture, TexCoord)`: four crates, each half as wide and half as high.
 """
 
 import numpy as np

@@ -5,8 +5,8 @@ arrives exactly; of a sine that the shader computes, GLSL bounds no error, and V
 
 Look at: the bead, which is filled with the uniform of that moment, riding on the curve.
 
-Try: in `ch02_basics/uniform_over_time.frag` write `sin(2.0 * time) / 2.0` for `sin(time) / 2.0`:
-the green from the shader swings twice as fast as the one that is sent.
+Try: in `ch02_basics/uniform_over_time_picture.frag` write `sin(2.0 * place.x)` for `sin(place.x)`:
+the curve swings twice as fast, and the bead, which goes by the uniform, leaves it.
 """
 
 from functools import partial

@@ -8,8 +8,8 @@ distance in front of the camera, and so far things become small.
 Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture shows
 a larger quad from the same place; the three matrices are those of the notes.
 
-Try: in `ch03_transforms/mvp.vert` write `model * (view` for `view * (model`: the quad turns around
-the camera, not around itself.
+Try: in `ch03_transforms/mvp.vert` write `(transpose(model)` for `(model`: a rotation's transpose
+turns the other way, and the grid hangs overhead, like a ceiling.
 """
 
 from math import radians

@@ -9,8 +9,8 @@ Look at: the four letters, each in front of a pale one that is not scaled. Above
 direction, then (1, 2, 3). Below: (2, ½, 1), then (−1, 1, 1), which no turn could make: the letter
 reads backwards.
 
-Try: in `ch03_transforms/scale.vert` write `aNormal * factors` for `aNormal / factors`: light falls
-on the stretched letters as if on others.
+Try: in `ch03_transforms/scale.vert` write `vec4(offset * factors, 1.0)` for `vec4(offset, 1.0)`:
+the way from the pale letter is scaled as well, so (1, 2, 3) brings its letter much nearer to you.
 """
 
 from numpy.linalg import det

@@ -10,7 +10,7 @@ ring is the table's d itself, and the blue one is larger in every row: "covered"
 it is dark beyond, some 1.1 to 1.3 % is always left.
 
 Try: in `lib/attenuation.glsl` write `distance` for `(distance * distance)`: far away the light
-hardly fades any more, and the rings no longer tell how much is left.
+fades much less, and the rings no longer tell how much is left.
 """
 
 import numpy as np

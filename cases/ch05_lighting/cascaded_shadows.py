@@ -11,7 +11,7 @@ Look at: an avenue. Above, each of three cascades in a colour of its own: red, g
 their shadows: as sharp at the end of the road as at its beginning.
 
 Try: in `ch05_lighting/cascaded_shadows.frag` write `i < 0` for `i < CASCADES - 1`: the first map
-serves the whole road, and where it ends so do the shadows.
+serves the whole road, and past its end half of the ground is dark.
 """
 
 from itertools import pairwise

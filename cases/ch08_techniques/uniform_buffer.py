@@ -10,7 +10,7 @@ Look at: four cubes, four programs, one buffer for the matrices and one for the 
 has gaps: a float, a vec3, three floats, a vec3 and a mat2 take 56 bytes, and lie in 128.
 
 Try: in `lib/block_light.glsl` write `lights.gains[2], lights.gains[1], lights.gains[0]` for
-`lights.gains[0], lights.gains[1], lights.gains[2]`: the light turns blue for all four programs at
+`lights.gains[0], lights.gains[1], lights.gains[2]`: the light turns bluish for all four programs at
 once.
 """
 

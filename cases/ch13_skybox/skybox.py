@@ -9,8 +9,8 @@ which the cube map is read.
 Look at: two camera places, some steps apart, under one sky. The crates move against each other and
 against the hills; clouds and ridges stand at the very same pixels.
 
-Try: in `ch13_skybox/skybox.vert` write `view` for `mat4(mat3(view))`: the sky moves when the camera
-does.
+Try: in `ch13_skybox/skybox.vert` write `view` for `mat4(mat3(view))`: the box stays among the
+crates, and the camera is outside of it.
 """
 
 from math import radians
