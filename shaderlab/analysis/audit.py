@@ -11,7 +11,7 @@ defines no result there, and an output depends on its result.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -130,7 +130,7 @@ def search_inputs(
     return found, batch, tried, proof
 
 
-_ONLY_AT_0 = "; only if an input is 0"
+_EACH = 8  # values that an input is given instead
 _MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
 
 
@@ -223,8 +223,7 @@ def _hazards(
     """The hazard about an instruction; none where no output depends on its result. Of inputs that
     were searched, with the `domains`, it says what is special about them."""
     for batch, one in _alternatives(program, place, point, domains, others):
-        nothing = np.full(batch.count, RANDOM)
-        origins = nothing if domains is None else find_origins(batch, inputs, domains)
+        origins = find_origins(batch, inputs, domains) if domains else np.full(batch.count, RANDOM)
         rows = np.flatnonzero(one.bad)
         rows = rows[np.argsort(origins[rows], kind="stable")]
         row, outputs = find_dependents(program, batch, rows, place)
@@ -236,10 +235,26 @@ def _hazards(
     one = find_failing(program, some, made_up=domains is not None)[place]
     words = one.check.words(*(one.operands.get(own) or next(iter(one.operands.values()))))
     if origins[row] != RANDOM:
-        words += "; only if two inputs are equal" if origins[row] == EQUAL else _ONLY_AT_0
+        words += f"; only if {'two inputs are equal' if origins[row] == EQUAL else 'an input is 0'}"
     words = words if words.startswith(place.kind) else f"{place.kind}: {words}"
     found, evident = (place, one.at, batch, row), bool(origins[row] == RANDOM)
-    yield hazard_at(program, inputs, found, outputs, words, evident=evident)
+    names = inputs if domains is None else _rank(program, place, (batch, row), inputs, others)
+    yield hazard_at(program, names, found, outputs, words, evident=evident)
+
+
+def _rank(
+    program: Program, place: Place, at: tuple[InputBatch, int], inputs: Iterable[str],
+    others: InputBatch,
+) -> list[str]:  # fmt: skip
+    """The inputs that have values of their own, those first without which nothing goes wrong."""
+    names = [name for name in inputs if len(at[0].each.get(name, ())) == at[0].count]
+    some = at[0].part(np.full(_EACH * len(names), at[1]))
+    for k, name in enumerate(names):
+        some.each[name][k * _EACH : (k + 1) * _EACH] = others.each[name][:_EACH]
+    failing = find_failing(program, some, made_up=True).get(place)
+    bad = np.zeros(some.count) if failing is None else failing.bad
+    order = np.argsort(bad.reshape(-1, _EACH).all(axis=1), kind="stable")
+    return [names[k] for k in order]
 
 
 def _alternatives(
@@ -249,8 +264,7 @@ def _alternatives(
     """Invocations at which an instruction goes wrong; of made-up inputs also with mipmaps, and such
     whose inputs are the point's or those of others."""
     batch, row, one = point
-    if one is None:
-        return
+    assert one is not None
     yield batch, one
     if domains is None:
         return

@@ -48,6 +48,7 @@ class Space:
         low, high: the ends of all that is asked about, (columns,).
         whole: which columns are integers.
         rows: of invocations for a point: a quad's where the program asks for neighbours.
+        is_drawn: whether draws give the ends, and the textures.
     """
 
     def __init__(
@@ -56,7 +57,7 @@ class Space:
     ) -> None:  # fmt: skip
         self.inputs, self.domains = inputs, domains
         self._samples = sample_inputs(inputs, domains, 64, 0) if drawn is None else drawn
-        self._is_drawn = drawn is not None
+        self.is_drawn = drawn is not None
         self._columns: dict[str, tuple[slice, tuple[int, ...]]] = {}
         low: list[Array] = []
         high: list[Array] = []
@@ -112,7 +113,7 @@ class Space:
             if domain.kind in ("number", "unit") and not is_numbered:
                 own = values[:, columns].reshape(count, *shape)
                 is_whole = self.whole[columns].any()
-                if domain.kind == "unit" and not self._is_drawn:
+                if domain.kind == "unit" and not self.is_drawn:
                     own = domain.clip(own)
                 elif domain.kind == "unit":
                     square = (own**2).sum(axis=1, keepdims=True)
@@ -121,7 +122,7 @@ class Space:
                 each[name] = own.astype(np.int64 if is_whole else np.float32)
         quad, corner = np.divmod(np.arange(count), self.rows)
         pixels = np.stack([2 * (quad % _PIXELS) + corner % 2, quad // _PIXELS * 2 + corner // 2], 1)
-        if "gl_FragCoord" not in self._columns or self.rows > 1 or not self._is_drawn:
+        if "gl_FragCoord" not in self._columns or self.rows > 1 or not self.is_drawn:
             places = [pixels + 0.5, samples.each["gl_FragCoord"][:, 2:]]
             each["gl_FragCoord"] = np.concatenate(places, axis=1)
         return InputBatch(each, samples.bindings, count)
@@ -146,7 +147,7 @@ class Space:
         boxes."""
         found = np.zeros(low.shape, np.bool_)
         for name, (columns, _) in self._columns.items():
-            if self._is_drawn and self.domains[name].kind == "unit":
+            if self.is_drawn and self.domains[name].kind == "unit":
                 least = np.maximum(np.maximum(low[:, columns], -high[:, columns]), 0.0)
                 near = (least**2).sum(axis=1) < 0.25 * self.domains[name].low
                 found[:, columns] = near[:, None]

@@ -325,18 +325,13 @@ OVERFLOW = Check(
 )  # fmt: skip
 """Of a result that is no number although all operands are; of the result."""
 
-
-def _fetched(what: str) -> Callable[[float, float], str]:
-    return lambda index, size: f"texelFetch of {what} {index:.0f}, outside of 0..{size - 1:.0f}"
-
-
 INDEX = Check(
     "index out of range", lambda index, size: np.minimum(index, size - 1 - index),
-    lambda index, size: f"index {index:g} into {size:g} elements",
+    lambda index, size: f"index {index:.0f} into {size:.0f} elements",
 )  # fmt: skip
 """Of an index and the number of elements."""
-TEXEL = replace(INDEX, kind="texel out of range", words=_fetched("coordinate"))
-LEVEL = replace(INDEX, kind="level out of range", words=_fetched("level or sample"))
+TEXEL = replace(INDEX, kind="texel out of range")
+LEVEL = replace(INDEX, kind="level out of range")
 """Of what `texelFetch` is given."""
 
 _SIZES = (Op.ImageQuerySizeLod, Op.ImageQuerySize)

@@ -94,7 +94,6 @@ class Proof:
         self.space = Space(program, inputs, domains, drawn)
         self.reached: set[Place] = set()
         self._settled, self._counts = set[Place](), counts
-        self._made_up = drawn is None
         self._numbers: dict[Place, int] = {}  # the column of each place in what is open
         self._lines: dict[Place, int] = {}
         # What is left: boxes that can't be halved, and what is open in each of them.
@@ -215,7 +214,7 @@ class Proof:
         """Run inputs in float32: what goes wrong is refuted. How far each instruction is from that,
         and the sum of the outputs."""
         self.tried += batch.count
-        watcher = Watcher(batch.count, made_up=self._made_up)
+        watcher = Watcher(batch.count, made_up=not self.space.is_drawn)
         result = self._interpret(batch, watch=watcher)
         self.reached.update(watcher.found)
         bad = {place: one.bad for place, one in watcher.found.items() if self._hazards}

@@ -95,6 +95,11 @@ def test_the_inputs_that_are_shown_do_it() -> None:
     assert exact.inputs["uv"][0] == pytest.approx(0.3, abs=1e-6)
 
 
+def test_the_inputs_that_matter_come_first() -> None:
+    hazards = evident(audit("uv.y * lightPos.x / (FragPos.x > 0.0 ? v.x : y)"))
+    assert {*list(hazards[0].inputs)[:2]} in ({"FragPos", "v"}, {"FragPos", "y"})
+
+
 def test_a_result_that_nothing_depends_on_is_no_hazard() -> None:
     body = "    float bad = log(x);\n    FragColor = vec4(x > 0.0 ? bad : 0.0);"
     assert audit(body).clean
