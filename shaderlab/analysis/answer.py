@@ -203,26 +203,23 @@ def _data(output: OutputAnswer) -> dict[str, Any]:
     }  # fmt: skip
     if output.why:
         found |= {
-            "why": output.why,
+            "why": output.why, "place": output.place,
             "apart": output.apart if output.why == "value" else None,
-            "place": output.place,
-        }
+        }  # fmt: skip
     if output.conditions:
         found["conditions"] = list(output.conditions)
     if output.why or output.conditions:
         found |= {
             "example": {n: list(v) for n, v in output.example.items()},
-            "old gives": _numbers(output.gives[0]),
-            "new gives": _numbers(output.gives[1]),
-        }
+            "old gives": _numbers(output.gives[0]), "new gives": _numbers(output.gives[1]),
+        }  # fmt: skip
     if output.numerics is not None:
         numerics = output.numerics
         found["numerics"] = {
-            "ulp worse": numerics.worse,
-            "ulp better": numerics.better,
+            "ulp worse": numerics.worse, "ulp better": numerics.better,
             "near": {n: list(v) for n, v in numerics.near.items()},
             "costs": [cost and asdict(cost) for cost in numerics.costs],
-        }
+        }  # fmt: skip
     return found
 
 

@@ -46,6 +46,7 @@ from .portability import find_spreads, widest_spreads
 from .proof import BOXES, Point, Proof
 from .undefined import (
     divergent,
+    find_dependence,
     find_dependents,
     hazard_at,
     outputs_at,
@@ -246,13 +247,16 @@ def _rank(
     program: Program, place: Place, at: tuple[InputBatch, int], inputs: Iterable[str],
     others: InputBatch,
 ) -> list[str]:  # fmt: skip
-    """The inputs that have values of their own, those first without which nothing goes wrong."""
+    """The inputs that have values of their own, those first without which no output goes wrong."""
     names = [name for name in inputs if len(at[0].each.get(name, ())) == at[0].count]
+    if len(names) < 2:
+        return names
     some = at[0].part(np.full(_EACH * len(names), at[1]))
     for k, name in enumerate(names):
         some.each[name][k * _EACH : (k + 1) * _EACH] = others.each[name][:_EACH]
     failing = find_failing(program, some, made_up=True).get(place)
-    bad = np.zeros(some.count) if failing is None else failing.bad
+    bad = np.zeros(some.count, np.bool_) if failing is None else failing.bad
+    bad = bad & np.any(list(find_dependence(program, some, place).values()), axis=0)
     order = np.argsort(bad.reshape(-1, _EACH).all(axis=1), kind="stable")
     return [names[k] for k in order]
 

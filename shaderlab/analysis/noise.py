@@ -25,11 +25,10 @@ _GIVEN = 1.001 * _INPUT  # what a number that nothing was done to errs by
 _POOL = 1 << 17
 _BEYOND = (1 << 29) - 1  # the bits of a float64 that a float32 has not
 _DOUBLE = struct.Struct("<d")
-_SUMS = {
+_SUMS = {  # where a sum is not exact, though it may look so: 1 - 1e-20 is 1
     "add": lambda s, a, b: (s - a != b) | (s - b != a),
     "subtract": lambda s, a, b: (s + b != a) | (a - s != b),
 }
-"""Where a sum is not exact, though it may look so: 1 - 1e-20 is 1."""
 
 
 @dataclass(frozen=True)

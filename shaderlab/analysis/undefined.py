@@ -339,49 +339,49 @@ def find_written_outputs(
     result = run_batch(program, batch, watch=watch)
     found = dict(flatten_outputs(result.outputs, finite=False))
     found["discard"] = np.reshape(result.discarded.all_true, (-1, 1)).astype(np.float64)
-    return {
-        name: np.broadcast_to(rows, (batch.count, *rows.shape[1:])) for name, rows in found.items()
-    }
+    return {n: np.broadcast_to(v, (batch.count, *v.shape[1:])) for n, v in found.items()}
 
 
 def outputs_at(program: Program, batch: InputBatch, row: int) -> dict[str, tuple[float, ...]]:
-    """What one invocation writes, by output, but for whether it is discarded."""
+    """What one invocation writes, by output; "discard" as of `find_written_outputs`."""
     some, own = batch.alone(row, program)
-    written = find_written_outputs(program, some)
-    return {n: tuple(map(float, v[own])) for n, v in written.items() if n != "discard"}
+    return {n: tuple(map(float, v[own])) for n, v in find_written_outputs(program, some).items()}
+
+
+def find_dependence(program: Program, batch: InputBatch, place: Place) -> dict[str, Flags]:
+    """At which invocations each output depends on an instruction's result."""
+    runs = [find_written_outputs(program, batch, _Replacing(place, None))]
+    for value in _TRIED:
+        with suppress(EndlessError):
+            runs.append(find_written_outputs(program, batch, _Replacing(place, value)))
+    return {name: _differs(name, runs) for name in runs[0]}
 
 
 def find_dependents(
     program: Program, batch: InputBatch, rows: Array, place: Place
-) -> tuple[int, dict[str, Array]]:
+) -> tuple[int, dict[str, tuple[float, ...]]]:
     """The first of some rows at which outputs depend on an instruction's result, and these as they
     are; no outputs if there is none."""
     rows = rows[:_MOST_ROWS]
     kept = np.unique(batch.rows_with(rows, program))
-    some, own = batch.part(kept), np.searchsorted(kept, rows)
-    others = [find_written_outputs(program, some, _Replacing(place, None))]
-    for value in _TRIED:
-        with suppress(EndlessError):
-            others.append(find_written_outputs(program, some, _Replacing(place, value)))
-    differs = {name: _differs(name, others)[own] for name in others[0]}
+    found = find_dependence(program, batch.part(kept), place)
+    differs = {name: flags[np.searchsorted(kept, rows)] for name, flags in found.items()}
     first = int(np.logical_or.reduce(list(differs.values())).argmax())
     names = [name for name, flags in differs.items() if flags[first]]
-    some, at = batch.alone(int(rows[first]), program)
-    plain = find_written_outputs(program, some) if names else {}
-    return int(rows[first]), {name: plain[name][at] for name in names}
+    plain = outputs_at(program, batch, int(rows[first])) if names else {}
+    return int(rows[first]), {name: plain[name] for name in names}
 
 
 def hazard_at(
     program: Program, inputs: Iterable[str], found: tuple[Place, Instruction, InputBatch, int],
-    outputs: Mapping[str, Array], message: str, **more: Any,
+    outputs: Mapping[str, tuple[float, ...]], message: str, **more: Any,
 ) -> Hazard:  # fmt: skip
     """The hazard of an instruction that was found at a place, for a row of a batch."""
     place, at, batch, row = found
     file, line = program.place(at.line)
     return Hazard(
         file=file, line=line, kind=place.kind, message=message, inputs=batch.example(row, inputs),
-        outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
-        calls=tuple(program.place(call)[1] for call in place.calls), **more,
+        outputs=outputs, calls=tuple(program.place(call)[1] for call in place.calls), **more,
     )  # fmt: skip
 
 

@@ -57,6 +57,7 @@ def prove_law(function: Function, law: Any, ranges: Mapping[str, Any]) -> Outcom
     for batch, row, _ in proof.points.values():
         example = batch.example(row, inputs)
         shown = outputs_at(program, batch, row)
+        del shown["discard"]
         found = Hazard(file="", line=0, kind="", message="", inputs=example, outputs=shown)
         message = f"{signature} breaks the law with {format_inputs(example)}\n"
         message += f"    {format_inputs(shown)}\n    {_confirm(program, found).driver}"
