@@ -233,7 +233,7 @@ def _hazards(
     else:
         return
     some, own = batch.alone(row, program)
-    one = find_failing(program, some, made_up=domains is not None)[place]
+    one = find_failing(program, some, made_up=domains is not None).get(place, one)
     words = one.check.words(*(one.operands.get(own) or next(iter(one.operands.values()))))
     if origins[row] != RANDOM:
         words += f"; only if {'two inputs are equal' if origins[row] == EQUAL else 'an input is 0'}"
@@ -252,13 +252,13 @@ def _rank(
     if len(names) < 2:
         return names
     some = at[0].part(np.full(_EACH * len(names), at[1]))
+    turns = np.arange(_EACH) % others.count
     for k, name in enumerate(names):
-        some.each[name][k * _EACH : (k + 1) * _EACH] = others.each[name][:_EACH]
+        some.each[name][k * _EACH : (k + 1) * _EACH] = others.each[name][turns]
     failing = find_failing(program, some, made_up=True).get(place)
     bad = np.zeros(some.count, np.bool_) if failing is None else failing.bad
     bad = bad & np.any(list(find_dependence(program, some, place).values()), axis=0)
-    order = np.argsort(bad.reshape(-1, _EACH).all(axis=1), kind="stable")
-    return [names[k] for k in order]
+    return [names[k] for k in np.argsort(bad.reshape(-1, _EACH).all(axis=1), kind="stable")]
 
 
 def _alternatives(
