@@ -178,11 +178,8 @@ def _find_assigned_values(statement: ast.stmt) -> Iterator[ast.expr | None]:
 
 def _imports_lab(body: Sequence[ast.stmt]) -> tuple[bool, bool]:
     """Whether a module imports from shaderlab, and whether it takes `Case` from there."""
-    names = [
-        name
-        for level, module, name in _imports(body)
-        if level == 0 and module.split(".")[0] == "shaderlab"
-    ]
+    absolute = [(module, name) for level, module, name in _imports(body) if level == 0]
+    names = [name for module, name in absolute if module.split(".")[0] == "shaderlab"]
     if not names or {"Case", "*"} & set(names):
         return bool(names), bool(names)
     nodes = (node for statement in body for node in ast.walk(statement))

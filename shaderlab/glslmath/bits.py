@@ -230,10 +230,8 @@ def packHalf2x16(v: Value) -> Integer:
         bits = np.atleast_1d(np.asarray(v, np.float16)).view(np.uint16).astype(np.int64)
         return _join_codes(Integer(bits, unsigned=True), 2)
     allowed = quantise(v, "rgba16f")
-    ends = [
-        np.asarray(end, np.float16).view(np.uint16).astype(np.int64)
-        for end in (allowed.lo, allowed.hi)
-    ]
+    halves = (np.asarray(end, np.float16) for end in (allowed.lo, allowed.hi))
+    ends = [half.view(np.uint16).astype(np.int64) for half in halves]
     # Of negative halves those further from zero have larger bits; zero may have either sign.
     zero = (allowed.lo <= 0.0) & (allowed.hi >= 0.0)
     low, high = np.minimum(*ends), np.maximum(*ends)

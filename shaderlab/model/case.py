@@ -197,18 +197,14 @@ class Scene:
         """The outputs that textures, expectations and the picture name, by pass. Colours are read
         back always, depth and stencil only where they are named here."""
         found: dict[str, set[str]] = {}
-        for output in (self.picture, *self._sampled_outputs()):
-            if output is not None:
-                found.setdefault(output.pass_name, set()).add(output.name)
+        draws = (draw for description in self.passes for draw in description.draws)
+        sampled = (output for draw in draws for output in draw.outputs_read())
+        for output in filter(None, (self.picture, *sampled)):
+            found.setdefault(output.pass_name, set()).add(output.name)
         for expectation in self.expect:
             for read in expectation.find_reads(self):
                 found.setdefault(read.pass_name, set()).add(read.output)
         return found
-
-    def _sampled_outputs(self) -> Iterator[Output]:
-        for description in self.passes:
-            for draw in description.draws:
-                yield from draw.outputs_read()
 
 
 def _apply_changes(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:

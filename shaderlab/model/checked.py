@@ -142,11 +142,7 @@ def describe_type(hint: Any) -> str:
         return "list" if inner[0] is Any else f"list of {describe_type(inner[0])}"
     if kind is collections.abc.Mapping:
         return f"mapping of {' to '.join(map(describe_type, inner))}"
-    names = {
-        np.ndarray: "array of numbers",
-        collections.abc.Callable: "function",
-        type(None): "None",
-    }
+    names = {np.ndarray: "array of numbers", Callable: "function", type(None): "None"}
     return names.get(kind) or str(kind.__name__)
 
 

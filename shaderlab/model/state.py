@@ -15,7 +15,7 @@ COMPARISONS = (
     "never", "less", "equal", "lequal", "greater", "notequal", "gequal", "always",
 )  # fmt: skip
 STENCIL_OPERATIONS = (
-    "keep", "zero", "replace", "incr", "incr_wrap", "decr", "decr_wrap", "invert",
+    "keep", "zero", "replace", "incr", "decr", "invert", "incr_wrap", "decr_wrap",
 )  # fmt: skip
 BLEND_EQUATIONS = ("add", "subtract", "reverse_subtract", "min", "max")
 BLEND_FACTORS = (

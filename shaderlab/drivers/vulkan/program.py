@@ -28,6 +28,7 @@ from shaderlab.model.state import (
     BLEND_EQUATIONS,
     BLEND_FACTORS,
     COMPARISONS,
+    STENCIL_OPERATIONS,
     Blend,
     Depth,
     Rectangle,
@@ -313,9 +314,6 @@ class Linker(ProgramCache[Program]):
 
 
 # What Vulkan numbers in another order than `shaderlab.model.state`, where words stand in Vulkan's.
-_STENCIL = (
-    "keep", "zero", "replace", "incr", "decr", "invert", "incr_wrap", "decr_wrap",
-)  # fmt: skip
 _FACES = (None, "front", "back", "front_and_back")
 _WINDINGS = ("cw", "ccw")  # exchanged: see above
 _LAST_VERTEX = constant("PROVOKING_VERTEX_MODE_LAST_VERTEX_EXT")
@@ -389,9 +387,10 @@ def depth_stencil_state(structs: Structs, state: State) -> Any:
 
 
 def _stencil(structs: Structs, stencil: Stencil) -> Any:
+    number = STENCIL_OPERATIONS.index
     return structs(
-        "StencilOpState", failOp=_STENCIL.index(stencil.fail),
-        depthFailOp=_STENCIL.index(stencil.depth_fail), passOp=_STENCIL.index(stencil.depth_pass),
+        "StencilOpState", failOp=number(stencil.fail), depthFailOp=number(stencil.depth_fail),
+        passOp=number(stencil.depth_pass),
         compareOp=COMPARISONS.index(stencil.func), compareMask=stencil.mask,
         writeMask=stencil.write_mask, reference=stencil.reference,
     )  # fmt: skip

@@ -144,10 +144,8 @@ class AnyOrder(Exact):
             near, far = far, near
         own, found = _common_test(description, near), {}
         if not own:
-            fronts = {
-                "nearest surface": (near, False),
-                "farthest surface, tests turned round": (far, True),
-            }
+            turned_round = "farthest surface, tests turned round"
+            fronts = {"nearest surface": (near, False), turned_round: (far, True)}
             found = {
                 front: tuple(Redraw(name, output, turned, test) for test in ("", *tests))
                 for front, (tests, turned) in fronts.items()

@@ -5,6 +5,7 @@ What serves such calls alone is imported from here: `call`, `Object`, `Program`,
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 from shaderlab.engine.expectations.base import Context, Demand, SessionQuery
@@ -200,7 +201,8 @@ class GlCalls(Expectation):
         rows = [Row(label=self._format_call(), expected=wanted, measured=str(len(found)), ok=ok)]
         message = "" if ok else f"{self._format_call()} is called {len(found)} times, not {wanted}"
         if self.after:
-            early = self._count_early(calls)
+            before = takewhile(lambda c: c.function != self.after, calls)
+            early = sum(c.function == self.function and self._matches(c) for c in before)
             rows.append(
                 Row(label=f"before {self.after}", expected="0", measured=str(early), ok=not early)
             )
@@ -214,10 +216,6 @@ class GlCalls(Expectation):
 
     def _matches(self, call: TracedCall) -> bool:
         return all(call.arguments.get(name) == word for name, word in self.arguments.items())
-
-    def _count_early(self, calls: Sequence[TracedCall]) -> int:
-        first = next((i for i, c in enumerate(calls) if c.function == self.after), len(calls))
-        return sum(c.function == self.function and self._matches(c) for c in calls[:first])
 
     def _require_parameters(self, known: Sequence[str]) -> None:
         for name in self.arguments:

@@ -71,10 +71,10 @@ class ReferenceBand:
     format: str
     low: Array
     high: Array
-    nan: Flags | np.bool_
-    unit: float | None
-    vacuous: int
-    undecided: int
+    nan: Flags | np.bool_ = np.False_
+    unit: float | None = None
+    vacuous: int = 0
+    undecided: int = 0
 
     @cached_property
     def values(self) -> Array:
@@ -157,10 +157,6 @@ def _evaluate_band(
         format=format,
         low=np.empty(shape, bounds),
         high=np.empty(shape, bounds),
-        nan=np.False_,
-        unit=None,
-        vacuous=0,
-        undecided=0,
     )
     nan: Flags | np.bool_ = np.False_
     unit, vacuous, undecided = None, 0, 0

@@ -108,11 +108,8 @@ def _drivers(run: Run) -> Iterable[str]:
     if len(rows) > _MOST_FAILURES:
         yield f"\nand {text.plural(len(rows) - _MOST_FAILURES, 'more case')}"
     counts = (f"{text.count(table.outputs[v])} {words}" for v, words in AGREEMENTS.items())
-    yield from (
-        "",
-        f"{text.plural(table.outputs.total(), 'output')} compared: {', '.join(counts)}",
-        "",
-    )
+    total = text.plural(table.outputs.total(), "output")
+    yield from ("", f"{total} compared: {', '.join(counts)}", "")
     outside = [each for each in table.differences if each.verdict == "outside"]
     for each in outside[:_MOST_FAILURES]:
         name = escape(f"{text.format_label(each.id, each.variant)}: {each.output}")
