@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -405,8 +406,9 @@ def test_what_takes_too_long_says_how_to_allow_more(
     )
     result = CliRunner().invoke(cli, [*words, "a.frag", "-j", "1", "--timeout", "1"])
     assert result.exit_code in (1, 2), result.output
-    said = "interpreting a.frag: took longer than 1 s\n  → allow more time: --timeout S"
-    assert said in result.output
+    # On a busy machine a second is over while the shader is compiled.
+    said = r"(compil|interpret)ing a\.frag: took longer than 1 s\n  → allow more time: --timeout S"
+    assert re.search(said, result.output)
 
 
 @pytest.mark.parametrize(
