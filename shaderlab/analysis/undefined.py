@@ -349,12 +349,14 @@ def outputs_at(program: Program, batch: InputBatch, row: int) -> dict[str, tuple
 
 
 def find_dependence(program: Program, batch: InputBatch, place: Place) -> dict[str, Flags]:
-    """At which invocations each output depends on an instruction's result."""
+    """At which invocations each output depends on an instruction's result; none of what is
+    discarded in any case."""
     runs = [find_written_outputs(program, batch, _Replacing(place, None))]
     for value in _TRIED:
         with suppress(EndlessError):
             runs.append(find_written_outputs(program, batch, _Replacing(place, value)))
-    return {name: _differs(name, runs) for name in runs[0]}
+    gone = np.all([run["discard"] for run in runs], axis=(0, 2))
+    return {name: _differs(name, runs) & ~gone for name in runs[0]}
 
 
 def find_dependents(
@@ -369,7 +371,7 @@ def find_dependents(
     first = int(np.logical_or.reduce(list(differs.values())).argmax())
     names = [name for name, flags in differs.items() if flags[first]]
     plain = outputs_at(program, batch, int(rows[first])) if names else {}
-    return int(rows[first]), {name: plain[name] for name in names}
+    return int(rows[first]), {name: plain[name] for name in names if name in plain}
 
 
 def hazard_at(

@@ -147,6 +147,15 @@ def test_levels_of_a_texture_decide_both_what_goes_wrong_and_what_depends_on_it(
     assert audit(body.replace("a == b ? 0.0 : d", "d")).hazards
 
 
+@pytest.mark.parametrize(
+    ("condition", "output"), [("d > 3.0 && y < 0.5", "discard"), ("y < 0.5", "FragColor")]
+)
+def test_what_is_discarded_has_no_outputs(condition: str, output: str) -> None:
+    body = f"float d = 1.0 / floor(x); FragColor = vec4(d);\nif ({condition}) discard;"
+    (found,) = audit(f"{body}\ngl_FragDepth = d;").hazards
+    assert found.kind == "division by 0" and output in found.outputs
+
+
 def test_two_places_seldom_meet_and_two_vectors_do() -> None:
     (hazard,) = audit("normalize(lightPos - FragPos).x").hazards
     assert not hazard.evident
