@@ -27,7 +27,7 @@ from .batches import (
     run_batch,
     run_ending,
 )
-from .checks import INDEX, OVERFLOW, Place, WatchedInstruction, Watcher
+from .checks import INDEX, LEVEL, OVERFLOW, SIZES, TEXEL, Place, WatchedInstruction, Watcher
 from .hazards import Audit as Audit, Claim, Hazard as Hazard, Plan as Plan
 from .inputs import (
     Input,
@@ -42,6 +42,7 @@ from .inputs import (
     sample_inputs,
 )
 from .interpreter import Program
+from .interpreter.running import MAX_BLOCKS
 from .portability import find_spreads, widest_spreads
 from .proof import BOXES, Point, Proof
 from .undefined import (
@@ -93,11 +94,12 @@ def find_origins(
 
 
 def find_failing(
-    program: Program, batch: InputBatch, *, made_up: bool = False
+    program: Program, batch: InputBatch, *, most: int = MAX_BLOCKS, **kind: bool
 ) -> dict[Place, WatchedInstruction]:
-    """The instructions that go wrong in a batch."""
-    watcher = Watcher(batch.count, made_up=made_up)
-    run_batch(program, batch, watch=watcher)
+    """The instructions that go wrong in a batch; `kind` of textures as of `Watcher`. Raises as
+    `interpret`, whose `max_blocks` is `most`."""
+    watcher = Watcher(batch.count, **kind)
+    run_batch(program, batch, watch=watcher, max_blocks=most)
     return {place: one for place, one in watcher.found.items() if one.bad.any()}
 
 
@@ -118,21 +120,35 @@ def search_inputs(
     # range.
     tried, domains = batch, {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
-        more = first_batch(inputs, domains, plan.count)  # of which loops may go on for too long
-        ended, _ = run_ending(
-            [program], lambda b: (b, find_failing(program, b, made_up=True)), more
-        )
-        tried, failing = ended or (batch, {})
+        more = first_batch(inputs, domains, plan.count)
+        tried, failing = _find_ending(program, more) or (batch, {})
         found |= {
             place: Point(tried, int(one.bad.argmax()), one)
             for place, one in failing.items()
             if place not in found and (place not in proof.reached or "0" in place.kind)
         }
+    if SIZES & {one.op for one in program.definitions.values()}:
+        own, failing = _find_ending(program, batch, enlarged=True) or (batch, {})
+        for place, one in failing.items():
+            if place.kind in (TEXEL.kind, LEVEL.kind):
+                found.setdefault(place, Point(own, int(one.bad.argmax()), one))
     return found, batch, tried, proof
 
 
+_SHORT = 10_000  # blocks
 _EACH = 8  # values that an input is given instead
 _MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
+
+
+def _find_ending(
+    program: Program, batch: InputBatch, **kind: bool
+) -> tuple[InputBatch, dict[Place, WatchedInstruction]] | None:
+    """What goes wrong in a batch, but for invocations for which a program runs long."""
+
+    def find(some: InputBatch) -> tuple[InputBatch, dict[Place, WatchedInstruction]]:
+        return some, find_failing(program, some, most=_SHORT, made_up=True, **kind)
+
+    return run_ending([program], find, batch)[0]
 
 
 def audit_program(

@@ -54,11 +54,12 @@ class WatchedInstruction:
 
 
 class Watcher:
-    """A `Watch` that looks at each instruction: `found` has what may go wrong, by place. Textures
-    that are `made_up` are as large as can be: nothing is known of their size."""
+    """A `Watch` that looks at each instruction: `found` has what may go wrong, by place. Nothing is
+    known of the size of textures that are `made_up`: texels lie outside of the largest ones; if
+    `enlarged`, programs are told that theirs are those."""
 
-    def __init__(self, count: int, *, made_up: bool = False) -> None:
-        self.count, self._made_up = count, made_up
+    def __init__(self, count: int, *, made_up: bool = False, enlarged: bool = False) -> None:
+        self.count, self._made_up, self._enlarged = count, made_up, enlarged
         self.found: dict[Place, WatchedInstruction] = {}
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
@@ -77,8 +78,10 @@ class Watcher:
                 self._note_index(run, at, state, INDEX, index.lo, np.full((1, 1), size))
         elif at.op == Op.ImageFetch:
             self._note_fetch(run, at, state)
-        elif self._made_up and at.op in _SIZES:
+        elif self._enlarged and at.op in SIZES:
             return _largest(run, at, result)
+        elif self._made_up and at.op in SIZES:  # it may have the level that a made-up one lacks
+            return Integer(np.maximum(result.lo, 1), unsigned=result.unsigned)
         return result
 
     def _note_fetch(self, run: Run, at: Instruction, state: PathState) -> None:
@@ -334,7 +337,7 @@ TEXEL = replace(INDEX, kind="texel out of range")
 LEVEL = replace(INDEX, kind="level out of range")
 """Of what `texelFetch` is given."""
 
-_SIZES = (Op.ImageQuerySizeLod, Op.ImageQuerySize)
+SIZES = {Op.ImageQuerySizeLod, Op.ImageQuerySize}
 _LEVELS = 15
 _SIDES = 1 << np.arange(_LEVELS)[::-1, None]
 """A texture's size at each level, if it is as large as drivers must support (OpenGL 4.6, table

@@ -162,8 +162,9 @@ class Proof:
 
     def _halve(self, low: Array, high: Array, flags: Flags) -> tuple[Array, Array, Flags]:
         """The halves of boxes, each at the side that matters most, and what is open in them."""
-        if not len(low):
-            return low, high, flags
+        if not low.size:  # there may be no number to halve
+            self._left.append((low, high, flags))
+            return low[:0], high[:0], flags[:0]
         weights = self.space.relative(low, high)
         few = max(_POINTS // (2 * low.shape[1] + 3) // self.space.rows, 1)
         effects = self._effects(low[:few], high[:few], flags[:few])

@@ -96,6 +96,14 @@ def test_the_inputs_that_are_shown_do_it() -> None:
     assert exact.inputs["uv"][0] == pytest.approx(0.3, abs=1e-6)
 
 
+def test_a_loop_over_all_texels_ends() -> None:
+    body = "    ivec2 size = textureSize(image, 0);\n    vec4 sum = vec4(0.0);\n"
+    body += "    for (int y = 0; y < size.y; ++y)\n        for (int x = 0; x < size.x; ++x)\n"
+    body += "            sum += texelFetch(image, ivec2(x, y), 0);\n    FragColor = sum;"
+    assert audit(body).clean
+    assert not audit(body.replace("x = 0", "x = -1")).clean
+
+
 def test_the_inputs_that_matter_come_first() -> None:
     hazards = evident(audit("uv.y * lightPos.x / (FragPos.x > 0.0 ? v.x : y)"))
     assert {*list(hazards[0].inputs)[:2]} in ({"FragPos", "v"}, {"FragPos", "y"})
