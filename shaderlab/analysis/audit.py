@@ -13,6 +13,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -96,8 +97,7 @@ def find_origins(
 def find_failing(
     program: Program, batch: InputBatch, *, most: int = MAX_BLOCKS, **kind: bool
 ) -> dict[Place, WatchedInstruction]:
-    """The instructions that go wrong in a batch; `kind` of textures as of `Watcher`. Raises as
-    `interpret`, whose `max_blocks` is `most`."""
+    """The instructions that go wrong in a batch, in so many blocks; `kind` as of `Watcher`."""
     watcher = Watcher(batch.count, **kind)
     run_batch(program, batch, watch=watcher, max_blocks=most)
     return {place: one for place, one in watcher.found.items() if one.bad.any()}
@@ -115,21 +115,20 @@ def search_inputs(
         counts=None if plan.prove else lambda some: find_origins(some, inputs, domains) == RANDOM,
     )  # fmt: skip
     found = {place: one for place, one in proof.points.items() if one.watched is not None}
+    find = partial(find_failing, program, most=_SHORT, made_up=True)
     # What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
     # conditions that nothing else meets, and where 0 is wrong. An index is not taken beyond its
     # range.
     tried, domains = batch, {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
-        more = first_batch(inputs, domains, plan.count)
-        tried, failing = _find_ending(program, more) or (batch, {})
-        found |= {
-            place: Point(tried, int(one.bad.argmax()), one)
-            for place, one in failing.items()
-            if place not in found and (place not in proof.reached or "0" in place.kind)
-        }
+        failing, own = run_ending([program], find, first_batch(inputs, domains, plan.count))
+        tried = batch if failing is None else own
+        for place, one in (failing or {}).items():
+            if place not in proof.reached or "0" in place.kind:
+                found.setdefault(place, Point(tried, int(one.bad.argmax()), one))
     if SIZES & {one.op for one in program.definitions.values()}:
-        own, failing = _find_ending(program, batch, enlarged=True) or (batch, {})
-        for place, one in failing.items():
+        failing, own = run_ending([program], partial(find, enlarged=True), batch)
+        for place, one in (failing or {}).items():
             if place.kind in (TEXEL.kind, LEVEL.kind):
                 found.setdefault(place, Point(own, int(one.bad.argmax()), one))
     return found, batch, tried, proof
@@ -138,17 +137,6 @@ def search_inputs(
 _SHORT = 10_000  # blocks
 _EACH = 8  # values that an input is given instead
 _MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
-
-
-def _find_ending(
-    program: Program, batch: InputBatch, **kind: bool
-) -> tuple[InputBatch, dict[Place, WatchedInstruction]] | None:
-    """What goes wrong in a batch, but for invocations for which a program runs long."""
-
-    def find(some: InputBatch) -> tuple[InputBatch, dict[Place, WatchedInstruction]]:
-        return some, find_failing(program, some, most=_SHORT, made_up=True, **kind)
-
-    return run_ending([program], find, batch)[0]
 
 
 def audit_program(

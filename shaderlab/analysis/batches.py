@@ -92,13 +92,12 @@ def run_batch(
 
 def run_ending(
     programs: Iterable[Program], act: Callable[[InputBatch], _T], batch: InputBatch
-) -> tuple[_T | None, int]:
+) -> tuple[_T | None, InputBatch]:
     """What a function gives for a batch, but for invocations for which a program goes on for too
-    long, and how many those are; None where that is so for all, or for others again and again."""
-    count = batch.count
+    long, and the others; None where that is so for all, or for others again and again."""
     for _ in range(_TRIES):
         try:
-            return act(batch), count - batch.count
+            return act(batch), batch
         except EndlessError as error:
             going = np.asarray(error.invocations.reshape(-1, batch.count).any(axis=0))
         for program in programs:
@@ -106,7 +105,7 @@ def run_ending(
         batch = batch.part(np.flatnonzero(~going))
         if not batch.count:
             break
-    return None, count
+    return None, batch
 
 
 def flatten_outputs(outputs: Mapping[str, Any], finite: bool = True) -> list[tuple[str, Array]]:

@@ -103,11 +103,8 @@ def compare_programs(
             raise UsageError(
                 f"{name} is {mine[name].type} in one, {theirs[name].type} in the other"
             )
-    if captured:
-        captured = merge_batches(captured, old, plan.count)
-        domains = learn_domains(captured)
-    else:
-        domains = domains_of(inputs, (old, new), plan.ranges)
+    captured = merge_batches(captured, old, plan.count)
+    domains = learn_domains(captured) if captured else domains_of(inputs, (old, new), plan.ranges)
     comparison = _Comparison((old, new), inputs, domains, captured, plan)
     try:
         outputs = tuple(comparison.outputs())
@@ -270,8 +267,8 @@ class _Comparison:
         return keep_defined(self.programs, batch)
 
     def _end(self, act: Callable[[InputBatch], _T], batch: InputBatch) -> Iterator[_T]:
-        found, left = run_ending(self.programs, act, batch)
-        self._endless += left
+        found, rest = run_ending(self.programs, act, batch)
+        self._endless += batch.count - (rest.count if found is not None else 0)
         yield from () if found is None else (found,)
 
     def notes(self) -> Iterator[str]:

@@ -575,8 +575,7 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
 
 def add_mipmaps(texels: Texels) -> Texels:
     """The texture with filters that read its smaller levels, if it has any."""
-    filters = ("linear_mipmap_linear", "linear")
-    return replace(texels, filter=filters) if texels.smaller else texels
+    return replace(texels, filter=("linear_mipmap_linear", "linear")) if texels.smaller else texels
 
 
 _NEAR = 1e-3  # how far from 1 the length of a unit vector is found
