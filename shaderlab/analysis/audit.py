@@ -185,9 +185,12 @@ def audit_program(
 
 
 def prove_between_draws(
-    program: Program, inputs: Mapping[str, Input], captured: Sequence[InputBatch], *,
+    program: Program,
+    inputs: Mapping[str, Input],
+    captured: Sequence[InputBatch],
+    *,
     at_once: bool = False,
-) -> Proof:  # fmt: skip
+) -> Proof:
     """The boxes between the least and the greatest of what draws give a program, or, `at_once`, one
     box of a short run. Raises NotInterpretedError: they give it what is no number."""
     domains, drawn = enclose_inputs(inputs, captured)
@@ -222,9 +225,13 @@ def _claims(
 
 
 def _hazards(
-    program: Program, place: Place, point: Point, inputs: Mapping[str, Input],
-    domains: Mapping[str, InputDomain] | None, others: InputBatch,
-) -> Iterator[Hazard]:  # fmt: skip
+    program: Program,
+    place: Place,
+    point: Point,
+    inputs: Mapping[str, Input],
+    domains: Mapping[str, InputDomain] | None,
+    others: InputBatch,
+) -> Iterator[Hazard]:
     """The hazard about an instruction; none where no output depends on its result. Of inputs that
     were searched, with the `domains`, it says what is special about them."""
     for batch, one in _alternatives(program, place, point, domains, others):
@@ -248,9 +255,12 @@ def _hazards(
 
 
 def _rank(
-    program: Program, place: Place, at: tuple[InputBatch, int], inputs: Iterable[str],
+    program: Program,
+    place: Place,
+    at: tuple[InputBatch, int],
+    inputs: Iterable[str],
     others: InputBatch,
-) -> list[str]:  # fmt: skip
+) -> list[str]:
     """The inputs that have values of their own, those first without which no output goes wrong."""
     names = [name for name in inputs if len(at[0].each.get(name, ())) == at[0].count]
     if len(names) < 2:
@@ -266,9 +276,12 @@ def _rank(
 
 
 def _alternatives(
-    program: Program, place: Place, point: Point, domains: Mapping[str, InputDomain] | None,
+    program: Program,
+    place: Place,
+    point: Point,
+    domains: Mapping[str, InputDomain] | None,
     others: InputBatch,
-) -> Iterator[tuple[InputBatch, WatchedInstruction]]:  # fmt: skip
+) -> Iterator[tuple[InputBatch, WatchedInstruction]]:
     """Invocations at which an instruction goes wrong; of made-up inputs also with mipmaps, and such
     whose inputs are the point's or those of others."""
     batch, row, one = point

@@ -52,9 +52,12 @@ class Space:
     """
 
     def __init__(
-        self, program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain],
+        self,
+        program: Program,
+        inputs: Mapping[str, Input],
+        domains: Mapping[str, InputDomain],
         drawn: InputBatch | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.inputs, self.domains = inputs, domains
         self._samples = sample_inputs(inputs, domains, 64, 0) if drawn is None else drawn
         self.is_drawn = drawn is not None

@@ -119,9 +119,14 @@ class Watcher:
         self._note(run, at, state, OVERFLOW, [peak], margin)
 
     def _note(
-        self, run: Run, at: Instruction, state: PathState, check: Check, values: list[Any],
+        self,
+        run: Run,
+        at: Instruction,
+        state: PathState,
+        check: Check,
+        values: list[Any],
         margin: Array,
-    ) -> Flags:  # fmt: skip
+    ) -> Flags:
         """Note the margin where it is less than before; the invocations that go wrong."""
         place = Place(at.id, tuple(run.calls), check.kind)
         here = state.mask[:, None]

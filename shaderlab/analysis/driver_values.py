@@ -68,9 +68,13 @@ class _Watch:
 
 
 def driver_values(
-    evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int], stored: Sequence[Stored], *,
+    evaluation: Evaluation,
+    key: PassDraw,
+    pixel: tuple[int, int],
+    stored: Sequence[Stored],
+    *,
     undecided: bool,
-) -> dict[Stored, Array]:  # fmt: skip
+) -> dict[Stored, Array]:
     """What the driver has at a pixel for the numbers and vectors that were stored there, where that
     can be seen; of what is passed again and again the first turns and the last one.
 

@@ -80,9 +80,13 @@ def program_of(source: Source) -> Program:
 
 
 def compare_in_case(
-    file: Path, files: Mapping[str, Path], reverse: bool, plan: Plan, options: RunOptions,
+    file: Path,
+    files: Mapping[str, Path],
+    reverse: bool,
+    plan: Plan,
+    options: RunOptions,
     worker: Worker,
-) -> list[Answer]:  # fmt: skip
+) -> list[Answer]:
     """An answer on each stage of a case's draws that other files for some of its shaders change, on
     the inputs that the case gives it. `reverse` if those files are the old shaders."""
     from .comparison import compare_programs
@@ -101,9 +105,13 @@ def compare_in_case(
 
 
 def sample_fragments(
-    evaluation: Evaluation, key: PassDraw, most: int | None = None, *, among: Array | None = None,
+    evaluation: Evaluation,
+    key: PassDraw,
+    most: int | None = None,
+    *,
+    among: Array | None = None,
     program: Program | None = None,
-) -> Invocations:  # fmt: skip
+) -> Invocations:
     """The fragments of a draw that are seen: all, or about `most` of them from all over, with those
     where an input is least and greatest; or those of quads that have a pixel `among` some (count,
     2). Whole quads where the shader depends on its neighbours. `program` is the fragment stage, if

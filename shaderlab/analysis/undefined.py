@@ -212,9 +212,11 @@ class _Divergent:
 
 
 def divergent(
-    program: Program, batch: InputBatch, inputs: Mapping[str, Input],
+    program: Program,
+    batch: InputBatch,
+    inputs: Mapping[str, Input],
     made_up: Mapping[str, InputDomain] | None,
-) -> Iterator[Hazard]:  # fmt: skip
+) -> Iterator[Hazard]:
     """Derivatives of a fragment stage in divergent control flow on which an output depends.
 
     The batch has whole quads; generated inputs become smooth, and uniforms uniform. `made_up` says
@@ -375,9 +377,13 @@ def find_dependents(
 
 
 def hazard_at(
-    program: Program, inputs: Iterable[str], found: tuple[Place, Instruction, InputBatch, int],
-    outputs: Mapping[str, tuple[float, ...]], message: str, **more: Any,
-) -> Hazard:  # fmt: skip
+    program: Program,
+    inputs: Iterable[str],
+    found: tuple[Place, Instruction, InputBatch, int],
+    outputs: Mapping[str, tuple[float, ...]],
+    message: str,
+    **more: Any,
+) -> Hazard:
     """The hazard of an instruction that was found at a place, for a row of a batch."""
     place, at, batch, row = found
     file, line = program.place(at.line)
