@@ -371,7 +371,7 @@ def find_definers(message: str, source: Source, folders: Sequence[Path]) -> str 
     for known in roots.names(MOST_FILES):
         with contextlib.suppress(ShaderError, OutsideError):
             if (file := roots.find(known)) and defines.search(strip_comments(file.text)):
-                found.append(display_path(file.path))
+                found.append(known)
     return f"{name} is defined in {' or '.join(found[:3])}: include it first" if found else None
 
 

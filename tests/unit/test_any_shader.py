@@ -255,18 +255,18 @@ def test_what_a_file_lacks_is_looked_for_in_its_library(tmp_path: Path) -> None:
     for name, text in texts.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
-    with pytest.raises(CallError, match=r"Ray is defined in .*math/types.glsl: include it first"):
+    with pytest.raises(CallError, match=r"Ray is defined in math/types.glsl: include it first"):
         glsl.load(tmp_path / "ray.glsl").along(1.0)
     with pytest.raises(ShaderError) as refused:
         glsl.load(tmp_path / "own.glsl").two(1.0)
     assert refused.value.remedy is None
     text = f'#include "math/const.glsl"\n#include "turn.glsl"\n{texts["math/half.glsl"]}'
     (tmp_path / "whole.glsl").write_text(text.replace("half_of(float x)\n{", "quarter(float x) {"))
-    with pytest.raises(ShaderError, match=r"half_of is defined in .*math/half.glsl"):
+    with pytest.raises(ShaderError, match=r"half_of is defined in math/half.glsl: include it first"):
         glsl.load(tmp_path / "whole.glsl").turn(1.0)
     (tmp_path / "math/more.glsl").write_text("#define TAU 6.28318\n")
     (tmp_path / "turn.glsl").write_text("float turn(float x) { return x * TAU; }\n")
-    with pytest.raises(ShaderError, match=r"const.glsl or .*more.glsl: include it first"):
+    with pytest.raises(ShaderError, match=r"math/const.glsl or math/more.glsl: include it first"):
         glsl.load(tmp_path / "turn.glsl").turn(1.0)
     status, said = call("audit", tmp_path / "turn.glsl")
     assert status == 2 and "TAU is defined in" in said and "more.glsl: include it first" in said
