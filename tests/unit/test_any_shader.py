@@ -262,7 +262,9 @@ def test_what_a_file_lacks_is_looked_for_in_its_library(tmp_path: Path) -> None:
     assert refused.value.remedy is None
     text = f'#include "math/const.glsl"\n#include "turn.glsl"\n{texts["math/half.glsl"]}'
     (tmp_path / "whole.glsl").write_text(text.replace("half_of(float x)\n{", "quarter(float x) {"))
-    with pytest.raises(ShaderError, match=r"half_of is defined in math/half.glsl: include it first"):
+    with pytest.raises(
+        ShaderError, match=r"half_of is defined in math/half.glsl: include it first"
+    ):
         glsl.load(tmp_path / "whole.glsl").turn(1.0)
     (tmp_path / "math/more.glsl").write_text("#define TAU 6.28318\n")
     (tmp_path / "turn.glsl").write_text("float turn(float x) { return x * TAU; }\n")
