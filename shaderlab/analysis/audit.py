@@ -152,7 +152,7 @@ def audit_program(
         batches = merge_batches(captured, program, _MAX_CAPTURED)
         failing = [(batch, find_failing(program, batch)) for batch in batches]
         examples = [(p, Point(batch, 0, one)) for batch, own in failing for p, one in own.items()]
-        tried, others, needles = sum(batch.count for batch in batches), batches[0], []
+        tried, others, with_constants = sum(batch.count for batch in batches), batches[0], []
         words = dict.fromkeys(inputs, "as in the case")
         if plan.prove:
             proof = prove_between_draws(program, inputs, captured)
@@ -163,7 +163,7 @@ def audit_program(
         found, first, others, proof = search_inputs(program, inputs, domains, plan)
         examples, tried = list(found.items()), proof.tried
         has_whole = any(one.whole for one in inputs.values())
-        batches, needles = [first], [others] if has_whole and others is not first else []
+        batches, with_constants = [first], [others] if has_whole and others is not first else []
         words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
     hazards = [h for pair in examples for h in _hazards(program, *pair, inputs, domains, others)]
     claims: list[Claim] = []
@@ -172,7 +172,7 @@ def audit_program(
     elif plan.prove:
         claims = list(_claims(program, found, proof, hazards))
     spreads = [s for b in batches if plan.precision for s in find_spreads(program, b, inputs)]
-    for batch in (*batches, *needles):
+    for batch in (*batches, *with_constants):
         hazards += undefined_values(program, batch, inputs)
         hazards += sine_hashes(program, batch, inputs)
         hazards += divergent(program, batch, inputs, domains)

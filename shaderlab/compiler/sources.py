@@ -360,12 +360,14 @@ def find_definers(message: str, source: Source, folders: Sequence[Path]) -> str 
     """Return a remedy for a message about a name that a source lacks: the files in shader folders
     that define it. None where it lacks nothing, or nothing there defines it."""
     lacked = _LACKED.search(message)
-    name = lacked and lacked[1]
+    if lacked is None:
+        return None
+    name = lacked[1]
     defines = re.compile(
         rf"^[ \t]*(?:(?:#[ \t]*define|struct|(?:const|uniform)\b[^;=()]*)[ \t]+{name}\b"
         rf"|(?!return\b|else\b)\w[\w \t]*[ \t]{name}[ \t]*\([^;]*\{{)", re.M
     )  # fmt: skip
-    if not name or defines.search(source.code):
+    if defines.search(source.code):
         return None
     roots, found = Roots(folders, {}), []
     for known in roots.names(MOST_FILES):
