@@ -192,7 +192,7 @@ class Reply:
     names: Mapping[int, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class AttributeReading:
     """Where OpenGL says that an attribute lies: `offset` bytes into the mesh's buffer number
     `buffer`, a vertex every `stride` bytes, a new value every `divisor` instances (0: a vertex)."""
@@ -203,7 +203,7 @@ class AttributeReading:
     divisor: int
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class BlockReading:
     """Where OpenGL says that a uniform block's members lie, and the block's size, in bytes; and
     the same as the lab has `placed` them. A block without any effect has no offsets."""

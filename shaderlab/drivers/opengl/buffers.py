@@ -102,9 +102,8 @@ def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, Attribu
                 GL.GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING,
             )
         )
-        found[name] = AttributeReading(
-            buffer=names.index(buffer), offset=pointer.value or 0, stride=stride, divisor=divisor
-        )
+        offset = pointer.value or 0
+        found[name] = AttributeReading(names.index(buffer), offset, stride, divisor)
     GL.glBindVertexArray(0)
     return found
 
@@ -235,7 +234,7 @@ def read_block(program: Any, block: Block) -> BlockReading:
         else:
             found = {n: find_offset(program, bind.member_name(block, n)) for n in placed}
             offsets = {name: offset for name, offset in found.items() if offset is not None}
-    return BlockReading(offsets=offsets, size=size, placed=placed, placed_size=block.size)
+    return BlockReading(offsets, size, placed, block.size)
 
 
 def check_layout(program: Any, block: Block) -> None:

@@ -1,8 +1,9 @@
 """Drawing a scene's passes, and reading back what they drew."""
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -167,10 +168,7 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
 
 def drain_errors() -> tuple[int, ...]:
     """Return all GL errors raised since the last call, oldest first."""
-    errors: list[int] = []
-    while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
-        errors.append(int(code))
-    return tuple(errors)
+    return tuple(map(int, islice(iter(GL.glGetError, GL.GL_NO_ERROR), 16)))
 
 
 def has_compute(device: Device) -> bool:
@@ -314,22 +312,19 @@ def _find_written(
     """Return the names of those outputs that the program has. A driver may drop one that is
     declared and never written, and then refuses to capture it. Raises ShaderError: it refuses the
     program as well if nothing is captured."""
-    names = dict.fromkeys(piece.name for piece in parts)
-    try:
-        for group in _group_parts(parts):
-            drawing.linker.link(texts, feedback=tuple(dict.fromkeys(p.name for p in group)))
-        return set(names)
-    except ShaderError:
-        drawing.linker.link(texts)
-    return {name for name in names if _is_linked(drawing, texts, name)}
 
+    def is_linked(names: Iterable[str]) -> bool:
+        try:
+            return bool(drawing.linker.link(texts, feedback=tuple(names)))
+        except ShaderError:
+            return False
 
-def _is_linked(drawing: Drawing, texts: Mapping[str, str], name: str) -> bool:
-    try:
-        drawing.linker.link(texts, feedback=(name,))
-    except ShaderError:
-        return False
-    return True
+    groups = [dict.fromkeys(piece.name for piece in group) for group in _group_parts(parts)]
+    names = {name for group in groups for name in group}
+    if all(map(is_linked, groups)):
+        return names
+    drawing.linker.link(texts)
+    return {name for name in names if is_linked([name])}
 
 
 def _group_parts(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:

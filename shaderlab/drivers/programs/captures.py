@@ -54,7 +54,7 @@ def probe_fragments(
     count = max((len(values) for values in inputs.values()), default=1)
     width = min(count, WIDTH)
     size = (width, -(-count // width))
-    discards = stages.may_discard(draw.text("fragment"))
+    discards = "discard" in draw.text("fragment")
     probe = _points_of(draw, complete, count, discards)
     target = Target(depth="depth24_stencil8") if discards else Target()
     outputs = draw.interface.outputs
@@ -177,7 +177,7 @@ def capture_fragments(
     and they are declared in a way that leaves none out."""
     found = _capture(draws, index, redraw) if shared is None else shared.fragments(index)
     text = draws[index].text("fragment")
-    if not (stages.may_discard(text) or stages.writes_depth(text)):
+    if "discard" not in text and "gl_FragDepth" not in text:
         return found
     return replace(found, undiscarded=_capture(draws, index, redraw, keep_all=True))
 

@@ -103,12 +103,14 @@ class Preparer:
     Args:
         shaders: where shader files are found, in its `folders`.
         compiling: what compiles a program for some targets.
+
+    `source` gives a shader file with its includes; it raises ShaderError if it can't be read.
     """
 
     def __init__(self, shaders: Shaders, compiling: Compile = compile_program) -> None:
         self._shaders = shaders
         self._compiling = compiling
-        self._load = functools.lru_cache(_KEPT)(shaders.load)
+        self.source = functools.lru_cache(_KEPT)(shaders.load)
         self._compile = functools.lru_cache(_KEPT)(compiling)
         self.folders = shaders.folders
 
@@ -125,7 +127,7 @@ class Preparer:
         if draw.mesh is not None and draw.mesh is not draw.mesh.made():
             draw = replace(draw, mesh=draw.mesh.made())
         _check_patches(draw)
-        authored = tuple(self._load(name) for name in draw.shaders)
+        authored = tuple(self.source(name) for name in draw.shaders)
         sources = authored if draw.domain is None else self._with_domain(draw, authored)
         compiled = self._compile(sources, targets)
         if compiled.interface is None and sources is not authored:
@@ -155,13 +157,9 @@ class Preparer:
         text = stages.write_domain_stage(authored[0].text, interface.varyings.values())
         return self._shaders.from_text(text, "vertex", "<domain>"), *authored
 
-    def source(self, name: str) -> Source:
-        """One shader file with its includes. Raises ShaderError if it can't be read."""
-        return self._load(name)
-
     def refusal(self, names: Sequence[str]) -> tuple[tuple[Source, ...], Compiled]:
         """Some shader files as one program, and what the plain GLSL compiler says of it."""
-        sources = tuple(self._load(name) for name in names)
+        sources = tuple(self.source(name) for name in names)
         return sources, self._compiling(sources, ("glsl",))
 
 

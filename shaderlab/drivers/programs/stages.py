@@ -189,14 +189,6 @@ def may_drop_fragments(text: str) -> bool:
     return any(word in text for word in _MAY_KEEP_OUT)
 
 
-def may_discard(text: str) -> bool:
-    return "discard" in text
-
-
-def writes_depth(text: str) -> bool:
-    return "gl_FragDepth" in text
-
-
 def changes_inputs(text: str) -> bool:
     """Whether a fragment shader may get other values than another one of the same inputs: in lower
     precision, or with another origin of window coordinates."""
@@ -231,7 +223,7 @@ def capture_fragment(
     if numbered:
         declared += [f"uniform float {NUMBER};", f"out float {NUMBERED};"]
         written.append(f"    {NUMBERED} = {NUMBER};")
-    if keep_all and writes_depth(text):  # what names it has to write it
+    if keep_all and "gl_FragDepth" in text:  # what names it has to write it
         written.append("    gl_FragDepth = gl_FragCoord.z;")
     return replace_main(text, declared, written, calls=calls), captured
 

@@ -221,14 +221,11 @@ def capture_invocations(draw: Draw, interface: Interface, bindings: Bindings) ->
     local = interface.local_size or (1, 1, 1)
     sizes = [groups * size for groups, size in zip(draw.groups, local, strict=True)]
     z, y, x = np.indices(sizes[::-1], np.uint32).reshape(3, -1, sizes[0])
-    inputs = {INVOCATION: np.stack([x, y, z], axis=-1), **dict(_elements(bindings))}
+    inputs = {INVOCATION: np.stack([x, y, z], axis=-1)}
+    for name, values in bindings.buffers.items():
+        inputs[name] = values[None] if name in bindings.arrays else values[None, None]
     covered = np.ones(x.shape, bool)
     return Fragments(covered=covered, frag_coord=np.zeros((*x.shape, 4)), inputs=inputs)
-
-
-def _elements(bindings: Bindings) -> Iterator[tuple[str, Array]]:
-    for name, values in bindings.buffers.items():
-        yield name, values[None] if name in bindings.arrays else values[None, None]
 
 
 KINDS = ("2D", "2DArray", "3D")

@@ -31,11 +31,11 @@ from .device import (
     recording,
 )
 from .images import (
+    USES,
     DeviceImage,
     RenderTarget,
     choose_format,
     copy_level,
-    fill,
     generate_levels,
     new_image,
     new_view,
@@ -243,9 +243,6 @@ class Ready:
         target.end(commands)
 
 
-_USES = ("sampled", "transfer_src", "transfer_dst")
-
-
 @dataclass(eq=False)
 class BoundTextures(SceneTextures[RenderTarget]):
     """What a scene's samplers read; `linker` makes the programs that read texels."""
@@ -337,7 +334,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
             mipmaps=source.mipmaps is True,
             levels=len(given),
         )
-        fill(self._device, made, given)
+        write(self._device, made, given)
         values, smaller = images.layers[0], tuple(images.smaller)
         if kind != "2D" or format in textures.DEPTH:
             # A depth is rounded to its format's codes on the way.
@@ -378,7 +375,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
                 self._device, format, "blit_src", "blit_dst", "sampled_image_filter_linear"
             )
         return new_image(
-            self._resources, format, size, *_USES, kind=kind, layers=layers, levels=count
+            self._resources, format, size, *USES, kind=kind, layers=layers, levels=count
         )
 
     def _view(self, image: DeviceImage) -> Any:

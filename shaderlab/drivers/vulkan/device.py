@@ -188,8 +188,10 @@ def _instance(structs: Structs) -> Any:
 
 
 def _make_device(driver: str, instance: Any, structs: Structs) -> Device:
-    physical = _choose_physical(driver, instance)
-    properties, about = _read_properties(physical, structs)
+    physical, about = _choose_physical(driver, instance), structs("PhysicalDeviceDriverProperties")
+    found = structs("PhysicalDeviceProperties2", pNext=about)
+    lib.vkGetPhysicalDeviceProperties2(physical, found)
+    properties = found.properties
     name = ffi.string(properties.deviceName).decode()
     version = (properties.apiVersion >> 22 & 127, properties.apiVersion >> 12 & 1023)
     if version < REQUIRED_VERSION:
@@ -258,22 +260,12 @@ def _choose_physical(driver: str, instance: Any) -> Any:
     return min(list(found)[: count[0]], key=order)
 
 
-def _read_properties(physical: Any, structs: Structs) -> tuple[Any, Any]:
-    """Return the device's properties and its driver's."""
-    about = structs("PhysicalDeviceDriverProperties")
-    found = structs("PhysicalDeviceProperties2", pNext=about)
-    lib.vkGetPhysicalDeviceProperties2(physical, found)
-    return found.properties, about
-
-
 def _chain_features(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
     """Return the structures of features beside the core's: the first of the chain, and all."""
-    last, made = NULL, []
-    names = [({**_NEEDED, **_USED}[name][0]) for name in used]
-    for name in (*_CORE, *names):
-        last = structs(f"PhysicalDevice{name}", pNext=last)
-        made.append(last)
-    return last, made
+    made = [NULL]
+    for name in (*_CORE, *({**_NEEDED, **_USED}[extension][0] for extension in used)):
+        made.append(structs(f"PhysicalDevice{name}", pNext=made[-1]))
+    return made[-1], made[1:]
 
 
 def _list_enabled(group: Any) -> list[str]:

@@ -109,16 +109,11 @@ def new_view(
     ))  # fmt: skip
 
 
-def fill(device: Device, image: DeviceImage, levels: Sequence[Array]) -> None:
-    """Write the first levels of an image, each (layers, height, width, channels)."""
-    write(device, image, [pack_texels(image.word, values) for values in levels])
-
-
 def write(device: Device, image: DeviceImage, levels: Sequence[Array | bytes]) -> None:
-    """Write the first levels of an image, as they lie in memory."""
+    """Write the first levels of an image, each (layers, height, width, channels), or its blocks."""
     with Resources(device) as staging, recording(device) as commands:
         for level, data in enumerate(levels):
-            raw = data if isinstance(data, bytes) else data.reshape(-1).view(np.uint8)
+            raw = data if isinstance(data, bytes) else pack_texels(image.word, data).reshape(-1)
             buffer = staging.buffer("transfer_src", raw)
             region = _region(commands, image, level, aspects(image.word) & ~STENCIL_ASPECT)
             lib.vkCmdCopyBufferToImage(
@@ -285,7 +280,7 @@ def _decode_depths(word: str, data: Array) -> Array:
 
 
 _KEEP, _CLEAR = constant("ATTACHMENT_LOAD_OP_LOAD"), constant("ATTACHMENT_LOAD_OP_CLEAR")
-_USES = ("sampled", "transfer_src", "transfer_dst")
+USES = ("sampled", "transfer_src", "transfer_dst")
 # Source: Vulkan 1.3 Specification, table Standard Sample Locations, in sixteenths.
 _PLACES = {
     1: ((8, 8),),
@@ -308,7 +303,7 @@ class RenderTarget(Attachments):
             raise
 
     def _make_images(self) -> None:
-        device, uses = self._device, ("color_attachment", *_USES)
+        device, uses = self._device, ("color_attachment", *USES)
         for word in self.colors.values():
             choose_format(device, word, "color_attachment")
         own = self._resources
@@ -328,7 +323,7 @@ class RenderTarget(Attachments):
         self.depth_image: DeviceImage | None = None
         if self._target.depth is not None:
             self.depth = choose_format(device, self._target.depth, "depth_stencil_attachment")
-            kind, uses = "2DMS" if self.samples > 1 else "2D", ("depth_stencil_attachment", *_USES)
+            kind, uses = "2DMS" if self.samples > 1 else "2D", ("depth_stencil_attachment", *USES)
             made = new_image(own, self.depth, self.size, *uses, kind=kind, samples=self.samples)
             self.depth_image, self._depth_view = made, new_view(own, made)
 

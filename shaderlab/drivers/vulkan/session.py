@@ -18,7 +18,6 @@ from shaderlab.model.scene import Target
 from .. import Answers, Evaluation
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
-from ..programs.bind import uniform_blocks
 from ..programs.captures import Captured, Parts, Texts, primitive_corners
 from ..programs.module_texts import HEIGHT, make_sources, write_point_texts
 from ..programs.prepare import PreparedDraw
@@ -34,7 +33,7 @@ from .bindings import (
     upload,
 )
 from .device import Buffer, Device, Resources, Structs, check, constant, ffi, lib, recording
-from .images import RenderTarget, fill, new_image, new_view
+from .images import RenderTarget, new_image, new_view, write
 from .program import (
     Layout,
     Linker,
@@ -203,10 +202,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         found = {}
         for name, variable in declared.items():
             if variable.location in streams:
-                buffer, offset, stride, divisor = streams[variable.location]
-                found[name] = AttributeReading(
-                    buffer=buffer, offset=offset, stride=stride, divisor=divisor
-                )
+                found[name] = AttributeReading(*streams[variable.location])
         return found
 
     def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
@@ -214,14 +210,13 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         draw = self.programs[key[0]][key[1]]
         bindings = self.program(draw).bindings
         found = {}
-        for name, placed in uniform_blocks(draw.interface).items():
+        for name, placed in bind.uniform_blocks(draw.interface).items():
             block = bindings[name].block if name in bindings else None
-            found[name] = BlockReading(
-                offsets={m.name: m.offset for m in block.members.values()} if block else {},
-                size=block.size if block else 0,
-                placed={m.name: m.offset for m in placed.members.values()},
-                placed_size=placed.size,
+            own, ours = (
+                {m.name: m.offset for m in each.members.values()} if each else {}
+                for each in (block, placed)
             )
+            found[name] = BlockReading(own, block.size if block else 0, ours, placed.size)
         return found
 
     answers: ClassVar[Answers] = {
@@ -305,6 +300,6 @@ class VulkanBackend(DeviceBackend):
 def _upload_inputs(own: Resources, evaluation: Evaluation, inputs: Array) -> BoundImage:
     uses, count = ("sampled", "transfer_dst"), len(inputs)
     image = new_image(own, _WORD, evaluation.size, *uses, kind="2DArray", layers=count)
-    fill(own.device, image, [inputs[..., None]])
+    write(own.device, image, [inputs[..., None]])
     sampler = own.create("Sampler", Structs()("SamplerCreateInfo"))
     return BoundImage(new_view(own, image, sampled=True), sampler)

@@ -148,7 +148,10 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         gl = self.device.gl
         with Objects(gl) as own:
             gl.useProgram(program.handle)
-            self._uniforms(program, draw, {**bindings.uniforms, **values})
+            members = bind.block_members(draw.interface)
+            for name, value in {**bindings.uniforms, **values, **draw.ramps}.items():
+                if name not in members and not program.set(name, value) and name != HEIGHT:
+                    self._inactive.add(name)
             self._blocks(own, program, draw, bindings)
             unit = 0
             for name, source in draw.draw.textures.items():
@@ -160,15 +163,6 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
                 unit += 1
             then(vertex_array(own, draw.draw.mesh, program.interface.attributes))
             gl.bindVertexArray(None)
-
-    def _uniforms(
-        self, program: Program, draw: PreparedDraw, values: Mapping[str, np.ndarray]
-    ) -> None:
-        members = bind.block_members(draw.interface)
-        for name, value in {**values, **draw.ramps}.items():
-            if name not in members and not program.set(name, value):
-                self._inactive.add(name)
-        self._inactive.discard(HEIGHT)
 
     def _blocks(
         self, own: Objects, program: Program, draw: PreparedDraw, bindings: Bindings
@@ -245,14 +239,12 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         with Objects(gl) as own:
             made = vertex_array(own, draw.draw.mesh, program.interface.attributes)
             for name, (at, buffer) in made.locations.items():
-                offset, stride, divisor = gl.ask_all([
+                questions = [
                     ("getVertexAttribOffset", at, gl.VERTEX_ATTRIB_ARRAY_POINTER),
                     ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_STRIDE),
                     ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_DIVISOR),
-                ])  # fmt: skip
-                found[name] = AttributeReading(
-                    buffer=buffer, offset=offset, stride=stride, divisor=divisor
-                )
+                ]
+                found[name] = AttributeReading(buffer, *gl.ask_all(questions))
             gl.bindVertexArray(None)
         return found
 
@@ -275,9 +267,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
                 for said in (f"{name}.{member}", f"{name}.{member}[0]"):
                     if said in offsets:
                         own[member] = offsets[said]
-            found[name] = BlockReading(
-                offsets=own, size=size, placed=placed, placed_size=block.size
-            )
+            found[name] = BlockReading(own, size, placed, block.size)
         return found
 
     def _count(self, key: PassDraw, counter: str) -> int:

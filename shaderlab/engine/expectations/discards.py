@@ -14,7 +14,6 @@ import numpy as np
 
 from shaderlab.bands import Band, Rules, TriBool
 from shaderlab.bands.exact import as_tri_bool
-from shaderlab.drivers.programs.stages import may_discard, writes_depth
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs
 from shaderlab.model.frame import Array, Fragments, Frame, PassDraw, every_component
@@ -46,8 +45,7 @@ class DiscardCheck:
                 CapturedFragments((name, index))
                 for index, draw in enumerate(draws)
                 if self._rule_of((name, index)) is not None
-                or may_discard(text := draw.text("fragment"))
-                or writes_depth(text)
+                or any(word in draw.text("fragment") for word in ("discard", "gl_FragDepth"))
             )
             for name, draws in programs.items()
         }
@@ -87,7 +85,7 @@ class DiscardCheck:
     def _find_fault_of(self, key: PassDraw, frame: Frame) -> str:
         name, index = key
         draw = self._programs[name][index]
-        by_depth = writes_depth(draw.text("fragment"))
+        by_depth = "gl_FragDepth" in draw.text("fragment")
         missing, surplus = _faults(key, frame, by_depth, self._rule_of(key))
         of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
         if missing.any():
