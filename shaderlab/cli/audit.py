@@ -12,7 +12,7 @@ import click
 from shaderlab.analysis.hazards import Audit, Plan
 from shaderlab.analysis.requests import AuditCase, AuditFile
 from shaderlab.cli import FAILED, USAGE, options as shared
-from shaderlab.compiler.shader_files import EXTENSIONS, STAGES, is_library
+from shaderlab.compiler.shader_files import EXTENSIONS, is_library
 from shaderlab.engine.jobs import Call, describe_failure
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
@@ -40,9 +40,7 @@ if TYPE_CHECKING:
     help="A condition in GLSL that the inputs meet; repeatable.",
 )  # fmt: skip
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print the values of each input.")
-@click.option(
-    "--stage", type=click.Choice(STAGES), help="The stage of all files, whatever their names."
-)
+@shared.stage_option("The stage of all files, whatever their names.")
 @shared.INCLUDE
 @shared.DRIVER
 @shared.limits_option("Stop a shader that takes longer than S seconds.", seconds=60.0)
@@ -73,8 +71,7 @@ def command(
       shaderlab audit lighting.glsl --prove --range roughness=0.05:1
       shaderlab audit specular my_case.py
     """
-    files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
-    to_stderr = shared.uses_stdout(files)
+    to_stderr = shared.uses_stdout({**outputs, "json": json_file})
     audits: list[Audit] = []
     files_only = not prove and all(map(_is_shader, targets))
     with contextlib.closing(

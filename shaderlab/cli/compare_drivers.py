@@ -125,8 +125,7 @@ def _compare_outputs(
             name = record.driver_name
             if name not in arrays:
                 arrays[name] = load_frames(frames / name, record.id, record.variant)
-        values = [arrays[record.driver_name].get(output.name) for record in (first, second)]
-        one, two = values
+        one, two = (arrays[record.driver_name].get(output.name) for record in (first, second))
         if one is None or two is None or one.shape != two.shape:
             return
         steps = pixel_distances(one, two)

@@ -14,7 +14,7 @@ import click
 from shaderlab.cli import FAILED, options as shared
 from shaderlab.compiler.glslang import TARGETS
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_files
-from shaderlab.compiler.shader_files import STAGES, ShaderFile, find_shaders
+from shaderlab.compiler.shader_files import ShaderFile, find_shaders
 from shaderlab.engine.jobs import check_driver, count_cores
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits
@@ -33,11 +33,7 @@ _DIED = ("crash", "timeout")
 @click.command("compile")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH…")
 @shared.TARGET
-@click.option(
-    "--stage",
-    type=click.Choice(STAGES),
-    help="Compile every file as this stage, whatever its name.",
-)
+@shared.stage_option("Compile every file as this stage, whatever its name.")
 @click.option(
     "--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]",
     help="Define a macro; may be repeated.",
@@ -165,8 +161,7 @@ def _print_results(
     tally = Tally()
     entries: list[dict[str, Any]] = []
     found: list[Finding] = []
-    files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
-    to_stderr = shared.uses_stdout(files)
+    to_stderr = shared.uses_stdout({**outputs, "json": json_file})
     for result in results:
         for line in format_messages(result):
             click.echo(line, err=to_stderr)

@@ -14,7 +14,7 @@ import click
 
 from shaderlab.analysis.answer import Answer, Plan
 from shaderlab.cli import FAILED, OK, USAGE, options as shared
-from shaderlab.compiler.shader_files import STAGES, is_library, is_shader
+from shaderlab.compiler.shader_files import is_library, is_shader
 from shaderlab.compiler.translation import has_no_entry
 from shaderlab.engine.jobs import Call, Executor, make_jobs
 from shaderlab.errors import ShaderlabError, UsageError
@@ -41,9 +41,7 @@ ONLY_IF = 3
 @click.option(
     "--assume", is_flag=True, help="Exit with 0 also if they are the same only under conditions."
 )
-@click.option(
-    "--stage", type=click.Choice(STAGES), help="The stage of both files, whatever their names."
-)
+@shared.stage_option("The stage of both files, whatever their names.")
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print the values of each input.")
 @shared.INCLUDE
 @shared.limits_option("Stop after S seconds.", seconds=60.0)

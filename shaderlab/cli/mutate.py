@@ -28,13 +28,7 @@ if TYPE_CHECKING:
 @click.command("mutate")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--all", "every", is_flag=True, help="Mutate every case that ships with shaderlab.")
-@click.option(
-    "--variant",
-    "variants",
-    multiple=True,
-    metavar="V",
-    help="Judge by this variant only; may be repeated.",
-)
+@shared.variants_option("Judge by this variant only; may be repeated.")
 @click.option(
     "--state/--no-state",
     default=True,

@@ -22,6 +22,7 @@ import click
 from shaderlab import files
 from shaderlab.analysis import CHECKING_WORK
 from shaderlab.cli import FAILED, OK, USAGE
+from shaderlab.compiler.shader_files import STAGES
 from shaderlab.engine import jobs
 from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.model.options import Limits
@@ -79,6 +80,16 @@ def _check_targets(names: tuple[str, ...]) -> tuple[str, ...]:
 def report_option(help: str) -> Callable[[Command], Command]:
     """Add `--report DIR`, the folder of a run."""
     return click.option("--report", "folder", metavar="DIR", help=help)
+
+
+def stage_option(help: str) -> Callable[[Command], Command]:
+    """Add `--stage NAME`."""
+    return click.option("--stage", type=click.Choice(STAGES), help=help)
+
+
+def variants_option(help: str) -> Callable[[Command], Command]:
+    """Add `--variant V`, given as `variants`."""
+    return click.option("--variant", "variants", multiple=True, metavar="V", help=help)
 
 
 def jobs_option(default: str = jobs.WORDS) -> Callable[[Command], Command]:
@@ -306,7 +317,7 @@ def finding_options(command: Command) -> Command:
     return output_options(command, FINDING_FORMATS)
 
 
-def uses_stdout(outputs: Mapping[str, str]) -> bool:
+def uses_stdout(outputs: Mapping[str, str | None]) -> bool:
     """Whether one of the outputs goes to standard output. Raises UsageError: several do."""
     names = [f"--{name}" for name, file in outputs.items() if file == "-"]
     if len(names) > 1:

@@ -73,13 +73,7 @@ class RunArguments:
 @click.command("run")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--all", "every", is_flag=True, help="Run every case that ships with shaderlab.")
-@click.option(
-    "--variant",
-    "variants",
-    multiple=True,
-    metavar="V",
-    help="Run only this variant; may be repeated.",
-)
+@shared.variants_option("Run only this variant; may be repeated.")
 @click.option(
     "--size",
     type=click.IntRange(1, 4096),

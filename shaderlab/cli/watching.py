@@ -73,15 +73,6 @@ class Session:
         self._executor.close()
 
     @property
-    def records(self) -> list[Record]:
-        """The latest record of each variant and of each test, in order."""
-        found = []
-        for watched in self._watched.values():
-            names = [job.variant for job in watched.jobs] or list(watched.records)
-            found += [watched.records[name] for name in names if name in watched.records]
-        return found
-
-    @property
     def files(self) -> set[Path]:
         """All files that a verdict depends on."""
         return set().union(*(watched.files for watched in self._watched.values()))
