@@ -137,11 +137,8 @@ def torus(radius: float = 0.7, tube: float = 0.3, segments: int = 64, sides: int
 def moved(geometry: Geometry, matrix: Array) -> Geometry:
     """The mesh transformed by a 4 × 4 matrix (rows first, float64) that does not mirror.
 
-    Normals are transformed by the inverse transpose and normalised.
-
-    Raises:
-        ValueError: the matrix mirrors or flattens, so the winding would no longer hold.
-    """
+    Normals are transformed by the inverse transpose and normalised. Raises ValueError: the matrix
+    mirrors or flattens, so the winding would no longer hold."""
     linear = np.asarray(matrix, float)[:3, :3]
     if np.linalg.det(linear) <= 0.0:
         raise ValueError("moved: the matrix must keep the orientation (determinant > 0)")

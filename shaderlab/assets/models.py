@@ -70,13 +70,9 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
     """An OBJ file's faces by material, in the order in which the materials are first used.
 
     Corners need normals; texture coordinates are 0 where there are none. Groups, objects and
-    smoothing are read over.
-
-    Raises:
-        AssetError: the file or its material library is missing or can't be read, a line is cut off
-            or malformed, a number is not finite, an index leads nowhere, or there are no faces;
-            the message names the file and the line.
-    """
+    smoothing are read over. Raises AssetError: the file or its material library is missing or can't
+    be read, a line is cut off or malformed, a number is not finite, an index leads nowhere, or
+    there are no faces; the message names the file and the line."""
     source = Path(path)
     text, names = _check_text(source)
     with require_extra("models", "an OBJ file", source):
@@ -291,10 +287,8 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
         drop_invalid: leave out points with a NaN or infinite coordinate, which sensors write where
             they measured nothing. Otherwise such a point is an error.
 
-    Raises:
-        AssetError: the file is missing, is no PCD file, is cut off or shorter than its header says;
-            a coordinate is not finite. The message names the file.
-    """
+    Raises AssetError: the file is missing, is no PCD file, is cut off or shorter than its header
+    says; a coordinate is not finite. The message names the file."""
     source = Path(path)
     data = read_bytes(source, "a PCD file", PCD_MAX_BYTES, "thin the cloud out")
     with require_extra("models", "a PCD file", source):

@@ -97,13 +97,8 @@ def difference(p: Any, frag_coord: Any, direction: str, *, own: bool) -> Any:
         direction: "x" or "y".
         own: whether the pixel's own row (or column) of the quad is meant; else either is legal.
 
-    Returns:
-        (count, n). Where a pixel of the quad was not drawn, anything is allowed, and NaN is the
-        float64 value.
-
-    Raises:
-        FormulaError: there are other numbers of values than of places.
-    """
+    Returns (count, n). Where a pixel of the quad was not drawn, anything is allowed, and NaN is the
+    float64 value. Raises FormulaError: there are other numbers of values than of places."""
     place = frag_coord.lo if isinstance(frag_coord, Band) else np.asarray(frag_coord, np.float64)
     if not hasattr(p, "shape") or p.ndim < 2 or p.shape[0] == 1:
         return p - p

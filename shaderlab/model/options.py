@@ -17,9 +17,7 @@ class Limits:
         gigabytes: of address space, 2^30 bytes each; 0 for any amount. It holds where the system
             limits processes (Linux, not Windows).
 
-    Raises:
-        UsageError: one is negative, no number, or more than a system can count.
-    """
+    Raises UsageError: one is negative, no number, or more than a system can count."""
 
     seconds: float = 30.0
     gigabytes: float = 4.0

@@ -20,8 +20,7 @@ def attenuation(
         light_linear: Kl ≥ 0, per unit of distance.
         light_quadratic: Kq ≥ 0, per unit of distance squared.
 
-    Returns:
-        F in 0…1/Kc.
+    Returns F in 0…1/Kc.
 
     >>> print(f"{attenuation(50.0, 1.0, 0.09, 0.032):.9f}")
     0.011695906
@@ -44,8 +43,7 @@ def reach(
         fraction: f in 0…1/Kc, above 0.
         light_constant, light_linear, light_quadratic: as for `attenuation`; Kl > 0.
 
-    Returns:
-        d ≥ 0, in units of the scene.
+    Returns d ≥ 0, in units of the scene.
 
     >>> print(f"{reach(0.05, 1.0, 0.09, 0.032).item():.6f}")
     23.001280

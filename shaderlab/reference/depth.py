@@ -22,8 +22,7 @@ def window_depth(distance: Value, near: Value, far: Value) -> Value:
         distance: z, n ≤ z ≤ f.
         near, far: n and f, 0 < n < f.
 
-    Returns:
-        0…1; half of it lies before z = 2·n·f / (n + f).
+    Returns 0…1; half of it lies before z = 2·n·f / (n + f).
 
     >>> print(f"{window_depth(2.0, 1.0, 100.0):.6f} {window_depth(2.0, 0.1, 100.0):.6f}")
     0.505051 0.950951
@@ -39,8 +38,7 @@ def distance_of(depth: Value, near: Value, far: Value) -> Value:
         depth: the depth buffer's value, 0…1.
         near, far: as in `window_depth`.
 
-    Returns:
-        z, n…f.
+    Returns z, n…f.
 
     >>> print(f"{distance_of(0.5, 1.0, 100.0):.6f}")
     1.980198
@@ -67,8 +65,7 @@ def depth_step(distance: Value, near: Value, far: Value, bits: int = 24) -> Valu
         near, far: as in `window_depth`.
         bits: of the depth buffer, 16 or 24.
 
-    Returns:
-        A distance in units of the scene.
+    Returns a distance in units of the scene.
 
     >>> print(f"{depth_step(50.0, 0.1, 100.0):.8f} {depth_step(50.0, 1.0, 100.0):.9f}")
     0.00148863 0.000147521

@@ -75,8 +75,7 @@ def bilinear(
         lower_left, lower_right, upper_left, upper_right: texels, (…, channels).
         across, up: `weight` along u and v, (…, 1).
 
-    Returns:
-        (…, channels), within the four texels' range.
+    Returns (…, channels), within the four texels' range.
 
     >>> print(f"{bilinear(10.0, 20.0, 30.0, 40.0, 0.25, 0.5).item():.6f}")
     22.500000

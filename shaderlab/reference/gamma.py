@@ -16,8 +16,7 @@ def gamma_encode(linear: Value, gamma: Value) -> Value:
         linear: light, above 0 (GLSL leaves pow(0, y) open) up to 1.
         gamma: γ, 2.2 for a display that is described by one number.
 
-    Returns:
-        The encoded value in 0…1.
+    Returns the encoded value in 0…1.
 
     >>> print(f"{gamma_encode(0.5, 2.2).item():.6f}")
     0.729740
@@ -31,8 +30,7 @@ def srgb_encode(linear: Value) -> Value:
     Args:
         linear: light, above 0 up to 1.
 
-    Returns:
-        The encoded value in 0…1.
+    Returns the encoded value in 0…1.
 
     >>> print(f"{srgb_encode(0.5).item():.6f}")
     0.735357
@@ -48,8 +46,7 @@ def srgb_decode(encoded: Value) -> Value:
     Args:
         encoded: in 0…1.
 
-    Returns:
-        Light in 0…1.
+    Returns light in 0…1.
 
     >>> print(f"{srgb_decode(128.0 / 255.0).item():.6f}")
     0.215861

@@ -17,8 +17,7 @@ def baked(place: Value, lamp: Value, intensity: Value) -> Value:
         lamp: (…, 3); its last component h is how far in front of the wall it hangs, h > 0.
         intensity: I, a number or one for each channel.
 
-    Returns:
-        (…, 1) or (…, 3), in the intensity's unit over a length squared.
+    Returns (…, 1) or (…, 3), in the intensity's unit over a length squared.
 
     >>> float(baked(np.array([3.0, 0.0]), np.array([0.0, 0.0, 4.0]), 1.0)[0])
     0.032

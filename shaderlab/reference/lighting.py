@@ -37,8 +37,7 @@ def mirrored_lobe(
         normal, light_direction, view_direction: (…, 3).
         shininess: s > 0, without unit.
 
-    Returns:
-        0…1, (…, 1): 0 where R and V are 90° or more apart.
+    Returns 0…1, (…, 1): 0 where R and V are 90° or more apart.
 
     >>> up, below = np.array([0.0, 0.0, 1.0]), np.array([0.8, 0.0, -0.6])
     >>> print(f"{mirrored_lobe(up, below, np.array([-0.8, 0.0, 0.6]), 2.0).item():.6f}")

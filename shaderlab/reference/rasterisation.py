@@ -25,8 +25,7 @@ def barycentric(points: Array, corners: Array) -> Array:
         points: (…, 2).
         corners: (3, 2), in the same units.
 
-    Returns:
-        (…, 3).
+    Returns (…, 3).
 
     >>> corners = np.array([(0.0, 0.0), (4.0, 0.0), (0.0, 4.0)])
     >>> barycentric(np.array([1.0, 1.0]), corners).tolist()
@@ -54,8 +53,7 @@ def samples_passed(draws: Sequence[Array], size: tuple[int, int]) -> tuple[tuple
         draws: (triangles, 3 corners, 4), clip coordinates, all before the eye.
         size: of the target, width and height in pixels.
 
-    Returns:
-        For each draw the least and the greatest number.
+    Returns for each draw the least and the greatest number.
 
     >>> square = np.array([(-0.5, -0.5, 0, 1), (0.5, -0.5, 0, 1), (0.5, 0.5, 0, 1)])
     >>> samples_passed([square[None]], (16, 16))

@@ -23,8 +23,7 @@ def shadow_coordinates(light_space: Value) -> Value:
     Args:
         light_space: clip coordinates (…, 4), w > 0.
 
-    Returns:
-        (…, 3); inside the map where all lie in 0…1.
+    Returns (…, 3); inside the map where all lie in 0…1.
 
     >>> shadow_coordinates(np.array([0.0, 1.0, -1.0, 2.0])).tolist()
     [0.5, 0.75, 0.25]
@@ -40,8 +39,7 @@ def slope_bias(normal: Value, light_direction: Value, least: Value, most: Value)
         least: where light falls straight down, in depth.
         most: where it grazes.
 
-    Returns:
-        A depth, (…, 1).
+    Returns a depth, (…, 1).
 
     >>> from shaderlab.glslmath import vec3
     >>> up, aside = vec3(0.0, 0.0, 1.0), vec3(0.0, 0.6, 0.8)

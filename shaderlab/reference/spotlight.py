@@ -17,8 +17,7 @@ def spot_cosine(FragPos: Value, light_position: Value, light_direction: Value) -
         light_position: the light, (3,).
         light_direction: where it points, (3,), of any length but 0.
 
-    Returns:
-        cos θ in −1…1, (…, 1).
+    Returns cos θ in −1…1, (…, 1).
 
     >>> fragment, lamp, axis = np.eye(3)[0], np.zeros(3), np.array([1.0, 0.0, -1.0])
     >>> print(f"{spot_cosine(fragment, lamp, axis).item():.6f}")

@@ -51,8 +51,7 @@ def tangent(edge1: Value, edge2: Value, uv1: Value, uv2: Value, normal: Value) -
         uv1, uv2: the same in texture coordinates, (…, 2); not parallel.
         normal: of length 1, (…, 3).
 
-    Returns:
-        a unit vector (…, 3).
+    Returns a unit vector (…, 3).
 
     >>> east, north, up = np.eye(3)
     >>> tangent(2.0 * east, north + east, np.array([2.0, 0.0]), np.array([1.0, 1.0]), up).tolist()

@@ -25,8 +25,7 @@ def reinhard(light: Value) -> Value:
     Args:
         light: x ≥ 0, of any size.
 
-    Returns:
-        0…1, 1 not included.
+    Returns 0…1, 1 not included.
 
     >>> reinhard(3.0)
     0.75

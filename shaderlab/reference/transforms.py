@@ -156,8 +156,7 @@ def clip_position(aPos: Value, model: Value, view: Value, projection: Value) -> 
         aPos: positions, (…, 3).
         model, view, projection: 4 × 4.
 
-    Returns:
-        (…, 4), before the division by w.
+    Returns (…, 4), before the division by w.
 
     >>> view, projection = translate((0, 0, -3)), perspective(math.radians(45), 1.0, 0.1, 100.0)
     >>> clip_position(np.array([0.5, 0.5, 0.0]), np.eye(4), view, projection).round(6).tolist()

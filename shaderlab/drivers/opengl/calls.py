@@ -55,10 +55,8 @@ def constants() -> Mapping[str, int]:
 
 
 def constant(words: str) -> int:
-    """Find the number of a constant, or of several joined by "|".
-
-    Raises:
-        CaseError: OpenGL has no such constant.
+    """Find the number of a constant, or of several joined by "|". Raises CaseError: OpenGL has no
+    such constant.
 
     >>> hex(constant("GL_MAP_READ_BIT | GL_MAP_WRITE_BIT"))
     '0x3'
@@ -116,15 +114,10 @@ _ROOM = 4096  # numbers that a call may write
 def answer(
     device: Device, calls: Sequence[Call], returns: Sequence[int | float | str], texts: Texts
 ) -> Reply:
-    """Make some calls in a separate context, up to the first that raises an error.
-
-    Returns:
-        what the API answered to that one, or to the last; `returns` are the values expected of it.
-
-    Raises:
-        CaseError: a function, a constant or an argument is none of OpenGL's.
-        UnsupportedError: the driver has no such function.
-    """
+    """Make some calls in a separate context, up to the first that raises an error. Returns what the
+    API answered to that one, or to the last; `returns` are the values expected of it. Raises
+    CaseError: a function, a constant or an argument is none of OpenGL's; UnsupportedError: the
+    driver has no such function."""
     wanted = tuple(constant(w) if _is_constant(w) else w for w in returns)
     *before, last = calls
     with fresh_context(device):

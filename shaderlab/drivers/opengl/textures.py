@@ -380,11 +380,8 @@ def fetch_texels(
     """Fetch the samples ("2DMS") or levels ("2D") of a float or normalised texture, each of which
     has (width, height) texels: float32 (height, width, 4).
 
-    glGetTexImage may decode blocks in another way than samplers do: NVIDIA's driver does.
-
-    Raises:
-        moderngl.Error: the driver can't fetch them.
-    """
+    glGetTexImage may decode blocks in another way than samplers do: NVIDIA's driver does. Raises
+    moderngl.Error: the driver can't fetch them."""
     context, target = device.context, gl_constant(TARGETS[kind])
     program = context.program(vertex_shader=COVERING, fragment_shader=_FETCH % kind)
     corners, found = context.vertex_array(program, []), []

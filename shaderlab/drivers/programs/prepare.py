@@ -115,15 +115,10 @@ class Preparer:
         self.folders = shaders.folders
 
     def prepare(self, draw: Draw, targets: tuple[str, ...] = TARGETS) -> PreparedDraw:
-        """Read, complete and compile a draw's program for these targets.
-
-        Raises:
-            ShaderError: a file can't be read or included. A shader that does not compile raises
-                nothing here: its verdicts say so.
-            UnsupportedError: the lab can't write a vertex stage for a domain.
-            CaseError: a domain does not fit the fragment shader's inputs, or a mesh its vertex
-                stage.
-        """
+        """Read, complete and compile a draw's program for these targets. Raises ShaderError: a file
+        can't be read or included (one that does not compile has verdicts that say so);
+        UnsupportedError: the lab can't write a vertex stage for a domain; CaseError: a domain does
+        not fit the fragment shader's inputs, or a mesh its vertex stage."""
         if draw.mesh is not None and draw.mesh is not draw.mesh.made():
             draw = replace(draw, mesh=draw.mesh.made())
         _check_patches(draw)

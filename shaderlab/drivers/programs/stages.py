@@ -230,10 +230,7 @@ def capture_fragment(
 
 def capture_vertex(text: str, group: Sequence[VaryingPart]) -> tuple[str, dict[VaryingPart, str]]:
     """Write a vertex shader that also writes some of its outputs, each to a separate output.
-
-    Returns:
-        Its text, and the output of each piece, of the type `attachment_type`.
-    """
+    Returns its text, and the output of each piece, of the type `attachment_type`."""
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = GlslDeclarations(text, "out")
     declared = [f"flat out {attachment_type(piece)} {name};" for piece, name in captured.items()]
@@ -530,11 +527,8 @@ def write_probe_stage(
     text: str, inputs: tuple[Variable, ...]
 ) -> tuple[str, Mapping[VaryingPart, str]]:
     """Write a vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs`
-    from attributes: a point has one vertex, so nothing is interpolated.
-
-    Returns:
-        Its text, and the attribute of each piece.
-    """
+    from attributes: a point has one vertex, so nothing is interpolated. Returns its text, and the
+    attribute of each piece."""
     shader = GlslDeclarations(text)
     parts = [piece for variable in array_elements(inputs) for piece in split_parts(variable)]
     attributes = {piece: f"{PREFIX}in{i}" for i, piece in enumerate(parts)}

@@ -33,16 +33,12 @@ class Boundaries(ReferenceExpectation):
     """The band derived from `reference` holds on both sides of the places where the reference
     changes most: steps, edges, thin lines.
 
-    A threshold that is off by a little changes no pixel of most frames. Here straight ways are
-    laid between the inputs of pixels that were drawn, and on each a place at which the reference
-    changes most is searched for by bisection, to 3·10⁻⁵ of the way; the shader is run beside it.
-    For the arguments see `Formula`. The shader must not discard there, nor take derivatives; in
-    `gl_FragCoord`, and in `frag_coord`, it gets the pixel of this run.
-
-    Raises:
-        CaseError: the shader reads no float that varies over the frame, or a vertex stage writes
-            the output.
-    """
+    A threshold that is off by a little changes no pixel of most frames. Here straight ways are laid
+    between the inputs of pixels that were drawn, and on each a place at which the reference changes
+    most is searched for by bisection, to 3·10⁻⁵ of the way; the shader is run beside it. For the
+    arguments see `Formula`. The shader must not discard there, nor take derivatives; in
+    `gl_FragCoord`, and in `frag_coord`, it gets the pixel of this run. Raises CaseError: the shader
+    reads no float that varies over the frame, or a vertex stage writes the output."""
 
     kind = "boundaries"
     named = "{self.output} at its boundaries"
@@ -122,8 +118,7 @@ def beside_boundaries(
             end of a way has it.
         values: the function, (count, components) of so many inputs.
 
-    Returns:
-        (2 · WAYS, components) by name, in float32 where `each` is.
+    Returns (2 · WAYS, components) by name, in float32 where `each` is.
 
     >>> x = np.linspace(0.0, 1.0, 9, dtype=np.float32)[:, None]
     >>> near = beside_boundaries({"x": x}, lambda each: each["x"] > 0.3)["x"]

@@ -38,9 +38,7 @@ class Cost(Expectation):
         over: what N is, for the table and the plot.
         repeats: how often each pass is drawn; the fastest one counts.
 
-    Raises:
-        CaseError: a name is that of no series, or a claim is not complete.
-    """
+    Raises CaseError: a name is that of no series, or a claim is not complete."""
 
     kind = "cost"
 

@@ -49,11 +49,7 @@ class AttributeLayout(DriverAnswer[Mapping[str, AttributeReading]]):
     """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
 
     OpenGL is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
-    its first column is.
-
-    Raises:
-        CaseError: an entry has neither two nor three numbers.
-    """
+    its first column is. Raises CaseError: an entry has neither two nor three numbers."""
 
     kind = "memory"
     named = "memory layout"
@@ -142,15 +138,11 @@ class BlockLayout(DriverAnswer[Mapping[str, BlockReading]]):
 class Query(DriverAnswer[int]):
     """A draw makes the driver count exactly this much, or at least or at most so much.
 
-    The pass is drawn once more with a query around the draw, earlier draws having filled the
-    depth and stencil buffers. "samples_passed" are the samples that pass all tests and are not
-    discarded: exact on every driver. What pipeline statistics count ("…_invocations" and the
-    like) a driver may exceed where it works in blocks, and one without them leaves the case
-    unsupported.
-
-    Raises:
-        CaseError: the counter is unknown, or nothing is expected of it.
-    """
+    The pass is drawn once more with a query around the draw, earlier draws having filled the depth
+    and stencil buffers. "samples_passed" are the samples that pass all tests and are not discarded:
+    exact on every driver. What pipeline statistics count ("…_invocations" and the like) a driver
+    may exceed where it works in blocks, and one without them leaves the case unsupported. Raises
+    CaseError: the counter is unknown, or nothing is expected of it."""
 
     kind = "query"
     query_name = "count"

@@ -126,10 +126,8 @@ def gl_call(
         departs: drivers known to answer otherwise: {"part of the vendor's name": "GL_NO_ERROR"}.
         name: how outcomes call it; the call itself by default.
 
-    Raises:
-        CaseError: `raises` is not an error of OpenGL; or two of an error, a value and a least value
-            are given.
-    """
+    Raises CaseError: `raises` is not an error of OpenGL; or two of an error, a value and a least
+    value are given."""
     check_choice("gl_call", "raises", raises, tuple(GL_ERRORS))
     if returns is not None and at_least is not None:
         raise CaseError(f"gl_call {function}: give returns= or at_least=, not both")
@@ -255,9 +253,7 @@ def gl_calls(
         arguments: values of parameters by their names in OpenGL's headers, such as
             usage="GL_STREAM_DRAW": constants by name, numbers as they are.
 
-    Raises:
-        CaseError: `function` is not a name of a function, or `times` is negative.
-    """
+    Raises CaseError: `function` is not a name of a function, or `times` is negative."""
     if not function.startswith("gl") or (times is not None and times < 0):
         raise CaseError(
             f"gl_calls({function!r}, times={times})",

@@ -139,11 +139,8 @@ class EachValue(OutputLaw):
 @dataclass(frozen=True)
 class Bounded(EachValue):
     """low ≤ `output` ≤ high while the input `over` takes each of `values`. The bounds are numbers,
-    or one for each component.
-
-    Raises:
-        CaseError: a lower bound above its upper one, none at all, or no values.
-    """
+    or one for each component. Raises CaseError: a lower bound above its upper one, none at all, or
+    no values."""
 
     kind = "bounded"
 
@@ -158,13 +155,10 @@ class Bounded(EachValue):
 
 @dataclass(frozen=True)
 class Monotone(EachValue):
-    """`output` never falls ("increasing") or never rises ("decreasing") while the input `over`
-    goes through `values`; with `strict`, it never stays the same either. Of vectors, each
-    component. An output that changes nowhere fails.
-
-    Raises:
-        CaseError: fewer than two values, or values that do not rise.
-    """
+    """`output` never falls ("increasing") or never rises ("decreasing") while the input `over` goes
+    through `values`; with `strict`, it never stays the same either. Of vectors, each component. An
+    output that changes nowhere fails. Raises CaseError: fewer than two values, or values that do
+    not rise."""
 
     kind = "monotone"
     named = "{self.output} {self.direction}"

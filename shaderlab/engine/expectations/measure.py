@@ -102,9 +102,7 @@ class Reading(Bounded):
         at_most, at_least, between: the figure lies in these bounds. Without any bound the row is
             only shown.
 
-    Raises:
-        CaseError: bounds that say two things, or hold no number.
-    """
+    Raises CaseError: bounds that say two things, or hold no number."""
 
     label: str | float
     _: KW_ONLY
@@ -169,9 +167,7 @@ class Measure(DrawExpectation, Bounded):
         equals, digits, at_most, at_least, between: the bound of the rows that have none, as in
             `reading`.
 
-    Raises:
-        CaseError: there is no bound at all, or two rows are alike.
-    """
+    Raises CaseError: there is no bound at all, or two rows are alike."""
 
     kind = "measure"
     named = "{self.label}"

@@ -150,9 +150,7 @@ def compile_fails(
         departs: drivers known to accept it: {"part of the vendor's name": "accepted"}.
         name: how outcomes call it.
 
-    Raises:
-        CaseError: a message does not say which of several files it is about.
-    """
+    Raises CaseError: a message does not say which of several files it is about."""
     shaders = (shader,) if isinstance(shader, str) else tuple(shader)
     places: list[Place] = []
     for message in messages:

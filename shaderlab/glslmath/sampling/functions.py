@@ -53,13 +53,9 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
             compares.
         lod: the mipmap level that the derivatives give, where the filters depend on it.
 
-    Returns:
-        (count, 4), or (count, 1) of a shadow sampler.
-
-    Raises:
-        FormulaError: `p` has another number of components, the filters need a level and none is
-            given, or a band reaches over several texels.
-    """
+    Returns (count, 4), or (count, 1) of a shadow sampler. Raises FormulaError: `p` has another
+    number of components, the filters need a level and none is given, or a band reaches over several
+    texels."""
     return sample(sampler, p, _to_level(lod))
 
 
@@ -99,10 +95,8 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
         p: integers (count, 2), of an array or three dimensions (count, 3).
         lod: the level; of a multisampled texture the sample's number. One for all.
 
-    Raises:
-        FormulaError: a texel or level is asked for that the texture does not have, which GLSL
-            leaves undefined.
-    """
+    Raises FormulaError: a texel or level is asked for that the texture does not have, which GLSL
+    leaves undefined."""
     texels = sampler.texels
     if texels.kind == "Cube":
         raise FormulaError("texelFetch(): GLSL fetches no texels of cubes")
@@ -343,12 +337,8 @@ def imageLoad(image: Sampler, p: Any) -> Any:
         image: what it held before the dispatch.
         p: integers (count, 2), of an image2DArray or image3D (count, 3).
 
-    Returns:
-        (count, 4); components that the format lacks are 0, alpha is 1.
-
-    Raises:
-        FormulaError: `p` has another number of components, or a band holds several texels.
-    """
+    Returns (count, 4); components that the format lacks are 0, alpha is 1. Raises FormulaError: `p`
+    has another number of components, or a band holds several texels."""
     low, high = to_span(p)
     wanted = 2 if image.texels.kind == "2D" else 3
     if components((low, high)) != wanted:

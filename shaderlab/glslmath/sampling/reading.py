@@ -339,10 +339,7 @@ Filtered = Callable[[int, str], Span]
 
 def filter_at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> Span:
     """A sample at a level of detail: magnified, minified from one level, or a mix of two levels.
-
-    Raises:
-        FormulaError: the filters depend on a level, and it is None.
-    """
+    Raises FormulaError: the filters depend on a level, and it is None."""
     texels = sampler.texels
     minify, magnify = texels.filter
     within, _, between = minify.partition("_mipmap_")

@@ -65,9 +65,7 @@ def to_display(array: NDArray[Any], *, value_range: tuple[float, float] | None =
         value_range: the values of the first and the last colour, where two pictures are to be
             compared; the array's own range by default. Direct colours ignore it.
 
-    Raises:
-        AssetError: the array has no such shape or type.
-    """
+    Raises AssetError: the array has no such shape or type."""
     pixels = as_pixels(array)
     channels = pixels.shape[2]
     if channels == 1:
@@ -97,10 +95,8 @@ def distance_picture(widths: NDArray[Any], outside: NDArray[Any]) -> tuple[Bytes
         outside: booleans of the same shape; a value that is outside counts even where its
             distance is NaN.
 
-    Returns:
-        uint8, row 0 at the bottom, and the palette, uint8 (colours, 3). Where a value is outside,
-        each is a square of 2 × 2, or the check could not be seen.
-    """
+    Returns uint8, row 0 at the bottom, and the palette, uint8 (colours, 3). Where a value is
+    outside, each is a square of 2 × 2, or the check could not be seen."""
     distance = np.asarray(widths, dtype=np.float64)
     beyond = np.asarray(outside, dtype=bool)
     if distance.shape != beyond.shape or distance.ndim not in (2, 3) or not distance.size:

@@ -78,9 +78,7 @@ def save_png(
             pixel becoming a square.
         palette: uint8 (colours, 3), for an array of one channel of indices.
 
-    Raises:
-        AssetError: the file can't be written.
-    """
+    Raises AssetError: the file can't be written."""
     pixels = as_pixels(array)
     if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
         pixels = to_display(pixels).image
