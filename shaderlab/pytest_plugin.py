@@ -259,12 +259,8 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 
 class Recorder:
-    """Makes a record of each test that calls GLSL functions.
-
-    Args:
-        take: gets the report of a test's call, and its record.
-        every: whether other tests have records, too.
-    """
+    """Makes a record of each test that calls GLSL functions, or of `every` test; `take` gets the
+    report of a test's call, and its record."""
 
     def __init__(
         self, take: Callable[[pytest.TestReport, Record], None], every: bool = False

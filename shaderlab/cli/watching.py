@@ -49,11 +49,8 @@ class Watched:
 
 
 class Session:
-    """Judges case files, and again those that depend on a file.
-
-    Args:
-        select: the jobs of case files, in order.
-    """
+    """Judges case files, and again those that depend on a file; `select` gives the jobs of
+    case files, in order."""
 
     def __init__(
         self,

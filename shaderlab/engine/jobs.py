@@ -66,12 +66,8 @@ class Job:
 
 
 class BareWorker:
-    """What performs requests, and has no driver.
-
-    Args:
-        channel: the way to the parent; None where requests are performed in the process that
-            makes them, which has no time limit then.
-    """
+    """What performs requests, and has no driver. `channel` is the way to the parent; None where
+    requests are performed in the process that makes them, which has no time limit then."""
 
     def __init__(self, channel: Channel | None = None) -> None:
         self._channel = channel
@@ -380,12 +376,8 @@ class ProcessExecutor(Executor):
 
 
 class InProcessExecutor(Executor):
-    """Runs jobs in this very process: nothing is isolated or limited, and debuggers work.
-
-    Args:
-        driver: as in `shaderlab.drivers.open_backend`.
-        work: the worker that performs the requests, or as in `ProcessExecutor`.
-    """
+    """Runs jobs in this very process: nothing is isolated or limited, and debuggers work. `driver`
+    is as in `ProcessExecutor`, and so is `work`, or the worker that performs the requests."""
 
     def __init__(self, driver: str | None = None, work: str | BareWorker = LAB_WORK) -> None:
         require_linux()

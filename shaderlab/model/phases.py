@@ -16,11 +16,8 @@ PHASES = ("compile", "link", "draw", "read", "reference", "judge", "picture")
 
 
 class PhaseTimer:
-    """Time by phase, each moment counted once: a phase inside another one interrupts it.
-
-    Args:
-        notice: called with each step as it begins, in words.
-    """
+    """Time by phase, each moment counted once: a phase inside another one interrupts it. `notice`
+    is called with each step as it begins, in words."""
 
     def __init__(self, notice: Callable[[str], None] | None = None) -> None:
         self.spent: dict[str, float] = {}

@@ -36,8 +36,7 @@ def on_inner_side(place: Value, start: Corner, stop: Corner) -> Value:
 def area_in_pixel(corners: Sequence[Corner], x: int, y: int) -> float:
     """The area of a convex polygon inside the pixel whose lower left corner is (x, y): 0…1.
 
-    Args:
-        corners: counter-clockwise, in pixels.
+    The corners go counter-clockwise, in pixels.
 
     >>> area_in_pixel([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], 0, 0)
     0.5

@@ -13,10 +13,8 @@ from ..glslmath import Value, abs, dot, max, normalize, reflect, refract, swizzl
 
 def face_coordinates(direction: Value) -> Value:
     """The face that a direction selects, with s and t on it: (…, 3), the face as 0…5 for +X, −X,
-    +Y, −Y, +Z, −Z. Where two components are equal, x goes before y, and y before z.
-
-    Args:
-        direction: (…, 3), of any length but 0.
+    +Y, −Y, +Z, −Z. Where two components are equal, x goes before y, and y before z. The
+    direction is (…, 3), of any length but 0.
 
     >>> face_coordinates(np.array([2.0, 0.5, -1.0])).tolist()
     [0.0, 0.75, 0.375]
@@ -50,8 +48,7 @@ def mirrored(FragPos: Value, Normal: Value, cameraPos: Value) -> Value:
 def bent(FragPos: Value, Normal: Value, cameraPos: Value, ratio: Value) -> Value:
     """The viewer's ray into glass: refract(normalize(P − C), N, n₁/n₂), (…, 3).
 
-    Args:
-        ratio: of the indices, outside over inside; 1.00/1.52 for air and glass.
+    The ratio is that of the indices, outside over inside; 1.00/1.52 for air and glass.
 
     >>> ray = bent(np.zeros(3), np.array([0.0, 1, 0]), np.array([3.0, 4, 0]), 1.0 / 1.52)
     >>> ray.round(6).tolist()

@@ -27,10 +27,7 @@ def gamma_encode(linear: Value, gamma: Value) -> Value:
 def srgb_encode(linear: Value) -> Value:
     """From light to sRGB: 12.92·c up to 0.0031308, then 1.055·c^(1/2.4) − 0.055.
 
-    Args:
-        linear: light, above 0 up to 1.
-
-    Returns the encoded value in 0…1.
+    Takes light, above 0 up to 1; returns the encoded value in 0…1.
 
     >>> print(f"{srgb_encode(0.5).item():.6f}")
     0.735357
@@ -43,10 +40,7 @@ def srgb_encode(linear: Value) -> Value:
 def srgb_decode(encoded: Value) -> Value:
     """From sRGB back to light: c/12.92 up to 0.04045, then ((c + 0.055)/1.055)^2.4.
 
-    Args:
-        encoded: in 0…1.
-
-    Returns light in 0…1.
+    Takes the encoded value in 0…1; returns light in 0…1.
 
     >>> print(f"{srgb_decode(128.0 / 255.0).item():.6f}")
     0.215861

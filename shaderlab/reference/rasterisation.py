@@ -21,11 +21,7 @@ def barycentric(points: Array, corners: Array) -> Array:
     """Barycentric coordinates of points in the plane: for each corner the area of the triangle
     opposite to it, divided by the whole. Inside all lie between 0 and 1; their sum is 1.
 
-    Args:
-        points: (…, 2).
-        corners: (3, 2), in the same units.
-
-    Returns (…, 3).
+    Takes points (…, 2) and corners (3, 2), in the same units; returns (…, 3).
 
     >>> corners = np.array([(0.0, 0.0), (4.0, 0.0), (0.0, 4.0)])
     >>> barycentric(np.array([1.0, 1.0]), corners).tolist()

@@ -20,10 +20,7 @@ def shadow_coordinates(light_space: Value) -> Value:
     """A point's place in the shadow map: the light's clip coordinates, divided by w and mapped
     from −1…1 to 0…1. Its (x, y) are texture coordinates, z the depth to compare.
 
-    Args:
-        light_space: clip coordinates (…, 4), w > 0.
-
-    Returns (…, 3); inside the map where all lie in 0…1.
+    Takes clip coordinates (…, 4), w > 0; returns (…, 3), inside the map where all lie in 0…1.
 
     >>> shadow_coordinates(np.array([0.0, 1.0, -1.0, 2.0])).tolist()
     [0.5, 0.75, 0.25]

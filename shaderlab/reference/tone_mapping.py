@@ -22,10 +22,7 @@ def clipped(light: Value) -> Value:
 def reinhard(light: Value) -> Value:
     """x / (1 + x): dark tones hardly change, bright ones stay below 1.
 
-    Args:
-        light: x ≥ 0, of any size.
-
-    Returns 0…1, 1 not included.
+    Takes light x ≥ 0, of any size; returns 0…1, 1 not included.
 
     >>> reinhard(3.0)
     0.75

@@ -24,11 +24,7 @@ _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 
 
 class Channel:
-    """The worker's connection to its parent.
-
-    Args:
-        steps: the descriptor of the file for steps.
-    """
+    """The worker's connection to its parent; `steps` is the descriptor of the file for steps."""
 
     def __init__(self, parent: socket.socket, seconds: float, steps: int) -> None:
         self._parent = parent

@@ -98,14 +98,9 @@ Programs = Mapping[str, tuple[PreparedDraw, ...]]
 
 
 class Preparer:
-    """Prepares draws, reading each file and compiling each program once.
-
-    Args:
-        shaders: where shader files are found, in its `folders`.
-        compiling: what compiles a program for some targets.
-
-    `source` gives a shader file with its includes; it raises ShaderError if it can't be read.
-    """
+    """Prepares draws, reading each file and compiling each program once: `shaders` is where files
+    are found, in its `folders`, `compiling` what compiles a program for some targets. `source`
+    gives a shader file with its includes; it raises ShaderError if it can't be read."""
 
     def __init__(self, shaders: Shaders, compiling: Compile = compile_program) -> None:
         self._shaders = shaders

@@ -302,12 +302,8 @@ _NEEDED = "EXT_color_buffer_float"
 
 @dataclass(frozen=True)
 class Device:
-    """An open device.
-
-    Attributes:
-        extensions: the names of those that it has, all of them enabled.
-        own_programs: the lab's own, which read what can't be read otherwise, by their text.
-    """
+    """An open device: `extensions` are the names of those that it has, all of them enabled,
+    `own_programs` the lab's own, which read what can't be read otherwise, by their text."""
 
     gl: Calls
     info: Mapping[str, str]

@@ -28,12 +28,8 @@ Lend = Callable[[CapturedFragments], AbstractContextManager[None]]
 
 class DiscardCheck:
     """The draws of a scene that may discard fragments, or should by a rule, and what is wrong with
-    what they discarded; each draw is examined once.
-
-    Args:
-        scene, programs: what is judged, all of a case's scene or a part of it.
-        whole: the whole scene: its expectations have the rules.
-    """
+    what they discarded; each draw is examined once. `scene` and `programs` are what is judged, all
+    of a case's scene or a part of it; the expectations of the `whole` one have the rules."""
 
     def __init__(self, scene: Scene, programs: Programs, whole: Scene) -> None:
         self._scene = scene

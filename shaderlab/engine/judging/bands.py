@@ -340,12 +340,8 @@ class Plausible:
 
 
 class BandCache:
-    """Bands by reference and the content of its inputs. The first ones stay; when the limit is
-    reached, further ones are not kept.
-
-    Args:
-        limit: bytes of bounds that may be kept.
-    """
+    """Bands by reference and the content of its inputs. The first ones stay; beyond the
+    `limit`, in bytes of bounds, further ones are not kept."""
 
     def __init__(self, limit: int = 1 << 28) -> None:
         self._left = limit

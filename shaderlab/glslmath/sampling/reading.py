@@ -221,10 +221,8 @@ _ROUNDING = 4 * 2.0**-23
 
 
 def cube_face(direction: Any) -> tuple[Integers, Array, Array]:
-    """The face that a direction meets (0…5 for +X, −X, +Y, −Y, +Z, −Z), and s and t on it.
-
-    Args:
-        direction: (…, 3), of any length but 0.
+    """The face that a direction meets (0…5 for +X, −X, +Y, −Y, +Z, −Z), and s and t on it;
+    the direction is (…, 3), of any length but 0.
 
     >>> face, s, t = cube_face(np.array([2.0, 0.5, -1.0]))
     >>> int(face), float(s), float(t)
