@@ -13,8 +13,9 @@ from ..glslmath import Value, abs, dot, max, normalize, reflect, refract, swizzl
 
 def face_coordinates(direction: Value) -> Value:
     """The face that a direction selects, with s and t on it: (…, 3), the face as 0…5 for +X, −X,
-    +Y, −Y, +Z, −Z. Where two components are equal, x goes before y, and y before z. The
-    direction is (…, 3), of any length but 0.
+    +Y, −Y, +Z, −Z. Where two components are equal, x goes before y, and y before z.
+
+    The direction is (…, 3), of any length but 0.
 
     >>> face_coordinates(np.array([2.0, 0.5, -1.0])).tolist()
     [0.0, 0.75, 0.375]
