@@ -349,17 +349,13 @@ def _format_input(value: object) -> str:
     if isinstance(value, Ramp):
         ends = [format_value(value.origin)]
         for label, step in (("across", value.dx), ("up", value.dy)):
-            if any(v != 0.0 for v in _numbers(step)):
+            if np.any(np.asarray(step, np.float64)):
                 ends.append(f"{label} {format_value(step)}")
         return " + ".join(ends)
     try:
         return format_value(value)
     except (TypeError, ValueError):  # not numbers: another part of the record says so
         return repr(value)
-
-
-def _numbers(value: object) -> list[float]:
-    return [float(v) for v in np.ravel(np.asarray(value, np.float64))]
 
 
 def _uniform_buffers(prepared: Programs) -> Iterator[records.BufferRecord]:

@@ -45,6 +45,7 @@ _MOST_NAMES = 3  # of many like variables, the ones declared nearest are mixed u
 _SETS = ("xyzw", "rgba", "stpq")
 _REMOVABLE = ("expression_statement", "if_statement", "for_statement", "while_statement",
               "return_statement", "break_statement", "continue_statement")  # fmt: skip
+_SHOWN = ("binary_expression", "assignment_expression", "init_declarator", "return_statement")
 _BUILT_IN = {"gl_FragColor": "vec4", "gl_FragDepth": "float", "gl_PointSize": "float"}
 _HALF = {"float": "*= 0.5", "vec": "*= 0.5", "mat": "*= 0.5", "int": "/= 2", "ivec": "/= 2",
          "uint": "/= 2u", "uvec": "/= 2u"}  # fmt: skip
@@ -212,17 +213,12 @@ def change_swizzle(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
 def _is_read(node: Node) -> bool:
     """Whether an identifier's value is used: not declared, called, assigned or a member's name."""
     around = node.parent
-    if around is None or around.type in (
-        "parameter_declaration",
-        "function_declarator",
-        "declaration",
-        "array_declarator",
-        "expression_statement",
-        "qualifier",
-    ):
+    if around is None or around.type in ("expression_statement", "qualifier"):
         return False
     if around.type == "init_declarator":
         return around.child_by_field_name("value") == node
+    if around.type.endswith(("declaration", "declarator")):
+        return False
     if around.type == "call_expression":
         return around.child_by_field_name("function") != node
     if around.type == "assignment_expression":
@@ -249,14 +245,7 @@ def _around(node: Node) -> Node:
     around = shown.parent
     if around is not None and around.type == "argument_list" and around.parent is not None:
         return around.parent
-    if around is not None and around.type in (
-        "binary_expression",
-        "assignment_expression",
-        "init_declarator",
-        "return_statement",
-    ):
-        return around
-    return shown
+    return around if around is not None and around.type in _SHOWN else shown
 
 
 def remove_statement(node: Node, file: Syntax, names: Names) -> Iterator[Change]:

@@ -144,7 +144,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Listing:
-    """A source ready to print: `count` lines, counted from `first`, and `messages` by line.
+    """A source ready to print: `count` lines, and `messages` by line.
     `variants` says which variants use it, empty for all of them.
     """
 
@@ -155,16 +155,12 @@ class Listing:
     variants: tuple[str, ...] = ()
 
     @property
-    def first(self) -> int:
-        return self.source.line
-
-    @property
     def place(self) -> str:
-        return f"{self.source.file}:{self.first}"
+        return f"{self.source.file}:{self.source.line}"
 
     @property
     def has_messages(self) -> bool:
-        return any(self.first <= line < self.first + self.count for line in self.messages)
+        return any(0 <= line - self.source.line < self.count for line in self.messages)
 
     @property
     def parts(self) -> Iterator[Part]:
@@ -175,7 +171,7 @@ class Listing:
         """
         rows = []
         lines = colour_lines(_code(self.source), self.source.language)
-        for number, code in enumerate(lines, self.first):
+        for number, code in enumerate(lines, self.source.line):
             place = f"{self.anchor}-L{number}"
             rows.append(
                 f'<span class="row" id="{place}"><a href="#{place}" tabindex="-1">{number}</a>'
@@ -193,7 +189,7 @@ def _code(source: SourceText) -> str:
 
 def anchor_of(texts: Iterable[Listing], file: str, line: int) -> str | None:
     for text in texts:
-        if file == text.source.file and 0 <= line - text.first < text.count:
+        if file == text.source.file and 0 <= line - text.source.line < text.count:
             return f"{text.anchor}-L{line}"
     return None
 

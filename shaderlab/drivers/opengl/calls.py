@@ -200,7 +200,8 @@ class _Maker:
             self._objects.setdefault(wanted, GL.glCreateShader(kind))
         elif wanted not in self._objects:
             name = np.zeros(1, np.uint32)
-            prototype(f"glGen{_pluralise(wanted.kind)}")(1, name)
+            words = wanted.kind.title().replace("_", "")
+            prototype(f"glGen{'Queries' if words == 'Query' else f'{words}s'}")(1, name)
             self._objects[wanted] = int(name[0])
         return self._objects[wanted]
 
@@ -242,8 +243,3 @@ def _element_type(kind: Any) -> type[np.generic] | None:
 
 def _is_constant(word: Any) -> TypeGuard[str]:
     return isinstance(word, str) and word.startswith("GL_")
-
-
-def _pluralise(kind: str) -> str:
-    words = "".join(word.capitalize() for word in kind.split("_"))
-    return "Queries" if words == "Query" else f"{words}s"

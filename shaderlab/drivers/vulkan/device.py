@@ -172,19 +172,15 @@ def open_device(driver: str) -> Device:
     DriverError: the driver is not there, or lacks what the lab can't do without."""
     structs = Structs()
     with environment(driver):
-        instance = _instance(structs)
+        version = REQUIRED_VERSION[0] << 22 | REQUIRED_VERSION[1] << 12
+        about = structs("ApplicationInfo", pApplicationName="shaderlab", apiVersion=version)
+        info = structs("InstanceCreateInfo", pApplicationInfo=about)
+        instance = _create_object("vkCreateInstance", "VkInstance", None, info)
     try:
         return _make_device(driver, instance, structs)
     except BaseException:
         lib.vkDestroyInstance(instance, NULL)
         raise
-
-
-def _instance(structs: Structs) -> Any:
-    version = REQUIRED_VERSION[0] << 22 | REQUIRED_VERSION[1] << 12
-    about = structs("ApplicationInfo", pApplicationName="shaderlab", apiVersion=version)
-    info = structs("InstanceCreateInfo", pApplicationInfo=about)
-    return _create_object("vkCreateInstance", "VkInstance", None, info)
 
 
 def _make_device(driver: str, instance: Any, structs: Structs) -> Device:

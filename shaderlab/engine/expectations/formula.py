@@ -51,7 +51,7 @@ class ReferenceExpectation(OutputExpectation):
         """Raise CaseError for a name in `given` that neither these nor `discards` ask for."""
         asking = filter(None, (*references, self.discards))
         taken = {name for reference in asking for name in parameters_of(reference)}
-        stands = parameter_names(self.given)
+        stands = parameter_names(*self.given)
         read = {name for parameter in taken & stands.keys() for name in stands[parameter]}
         for name in sorted(self.given.keys() - read):
             raise CaseError(

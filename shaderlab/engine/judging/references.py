@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import FunctionType
@@ -94,7 +94,7 @@ class Inputs:
 
     def parameters(self) -> dict[str, list[str]]:
         """The GLSL names behind each parameter name; several for a list of struct members."""
-        return parameter_names({**self.shared, **self.each, **self.textures})
+        return parameter_names(*self.shared, *self.each, *self.textures)
 
     def at(self, index: int, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
         """The values of some inputs for judged value `index`, for showing."""
@@ -103,13 +103,9 @@ class Inputs:
         return {n: tuple(float(x) for x in v) for n, v in shown.items() if v.ndim == 1}
 
 
-def parameter_names(glsl_names: Iterable[str]) -> dict[str, list[str]]:
-    """The parameters that may stand for GLSL names, with those that each stands for."""
-    return _parameters(tuple(glsl_names))
-
-
 @lru_cache(maxsize=256)
-def _parameters(names: tuple[str, ...]) -> dict[str, list[str]]:
+def parameter_names(*names: str) -> dict[str, list[str]]:
+    """The parameters that may stand for GLSL names, with those that each stands for."""
     found: dict[str, list[str]] = {}
     for name in names:
         found.setdefault(parameter_name(name), []).append(name)
