@@ -1,5 +1,4 @@
-"""The command line, as `shaderlab` and as `python -m shaderlab`, wherever the environment's scripts
-may be."""
+"""The command line, as `shaderlab` and as `python -m shaderlab`."""
 
 from __future__ import annotations
 
@@ -94,8 +93,7 @@ def _interrupt_later() -> None:
 
 
 def _leave_terminal() -> None:
-    """Have output go nowhere where the terminal is gone: it would be an error before the report is
-    written."""
+    """Have output go nowhere where the terminal is gone, so that a report is written still."""
     for stream in (1, 2):
         try:
             os.write(stream, b"")

@@ -29,8 +29,7 @@ def make_visible(text: str) -> str:
 
 
 def significant(value: float) -> str:
-    """A number in the nine digits that tell float32 values apart, or the ten of a whole number of
-    32 bits.
+    """A number in the nine digits that tell float32 values apart, or the ten of a 32-bit integer.
 
     >>> significant(0.1), significant(2654435761.0), significant(2.0**40)
     ('0.1', '2654435761', '1.09951163e+12')

@@ -52,8 +52,7 @@ def command(targets: tuple[str, ...], json_file: str | None) -> int:
 
 
 def load_selected(targets: Sequence[str]) -> list[CaseInfo]:
-    """Load the cases of targets in worker processes, or all that ship with shaderlab in this one,
-    which is quicker."""
+    """Load targets' cases in worker processes, or all shipped ones here, which is quicker."""
     files = find_files(targets) if targets else list(shipped_cases())
     workers = None if targets else 0
     with contextlib.closing(make_executor(None, Limits(), workers, early=False)) as executor:

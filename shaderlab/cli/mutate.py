@@ -1,5 +1,4 @@
-"""`shaderlab mutate`: make mistakes in a case's shaders or calls on purpose, and count what it
-notices."""
+"""`shaderlab mutate`: make mistakes in a case's shaders or calls, and count what it notices."""
 
 from __future__ import annotations
 

@@ -260,8 +260,7 @@ def make_run_folder(parent: Path = REPORTS) -> Path:
 
 
 def make_report_folder(folder: Path) -> Path:
-    """Make the folder of `--report`, which may exist already. Raises UsageError: it can't be made,
-    or has files of others."""
+    """Make the folder of `--report`. Raises UsageError: it can't be made, or has other files."""
     try:
         files.claim_folder(folder)
     except OSError as error:

@@ -1,8 +1,7 @@
 """Running a plan with its journal, writing its report, resuming it.
 
-The journal, `records.jsonl`, begins with a line with the plan, then has a line for each record, in
-the order in which they came, written as soon as it is there. A line that was cut short counts as
-not written.
+The journal, `records.jsonl`, begins with a line with the plan, then has a line for each record,
+written as soon as it is there. A line that was cut short counts as not written.
 """
 
 import contextlib

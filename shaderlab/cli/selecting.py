@@ -45,8 +45,7 @@ def select_jobs(
     targets: Sequence[str], every: bool, variants: Sequence[str], load: Load
 ) -> list[Job]:
     """The jobs of all `targets` (ids, ids with a variant, case files, folders), in order; before
-    them those of `every` shipped case, if that is asked for. If `variants` are named, of these
-    alone.
+    them those of `every` shipped case, if asked for. If `variants` are named, of these alone.
 
     Raises UsageError: nothing is named, or something that does not exist; CaseError: the only case
     file is wrong. One that is wrong among others is a job that says so."""
@@ -69,8 +68,7 @@ def select_jobs(
 
 def select_one(target: str, load: Load) -> tuple[CaseInfo, str]:
     """The single case that `target` names, and its variant; the first where none is named. Raises
-    UsageError: there is no such case or variant, or it stands for several cases; CaseError: the
-    case file is wrong."""
+    UsageError: there is no such case or variant, or several; CaseError: its file is wrong."""
     wanted = resolve_target(target)
     if len(wanted) != 1:
         raise UsageError(f"{target}: {len(wanted)} cases; name one of them")
@@ -219,8 +217,7 @@ def replace_shaders(
 
 
 def parse_replacements(words: Sequence[str]) -> Replacements:
-    """What stands on both sides of each NAME=FILE. Raises UsageError: it is not of that form, or
-    there is no such file."""
+    """Both sides of each NAME=FILE. Raises UsageError: another form, or there is no such file."""
     found: dict[str, Path] = {}
     for word in words:
         name, equals, file = word.partition("=")

@@ -49,8 +49,7 @@ class Watched:
 
 
 class Session:
-    """Judges case files, and again those that depend on a file; `select` gives the jobs of
-    case files, in order."""
+    """Judges case files, and again those that depend on a file; `select` gives the files' jobs."""
 
     def __init__(
         self,
@@ -85,8 +84,7 @@ class Session:
         return new
 
     def affected(self, changed: Collection[Path]) -> set[Path]:
-        """The case files that depend on one of these files, those without a verdict, and those that
-        `judge` did not come to."""
+        """The case files that depend on one of these, have no verdict, or that `judge` left out."""
         found = self._unfinished & set(self._watched)
         for file, watched in self._watched.items():
             touched = watched.files & set(changed)

@@ -108,8 +108,7 @@ class Session(ABC):
 
     def redraw_pass(self, changed: Pass, output: str, largest: int) -> Array:
         """Draw a pass of the scene once more with other target values or states, and read one
-        attachment; it is made smaller, to at most `largest` pixels along the longer side, unless a
-        state counts pixels."""
+        attachment; the longer side has at most `largest` pixels, unless a state counts pixels."""
         raise UnsupportedError("drawing a pass with other states: this driver can't")
 
     def redraw_with_text(
@@ -164,8 +163,7 @@ STORAGE_OF_PROBES = 7
 
 
 class Backend(ABC):
-    """An open device; `info` is what the driver says of itself: "renderer", "vendor", "version" and
-    "glsl", and its limits."""
+    """An open device; `info` is the driver's "renderer", "vendor", "version", "glsl" and limits."""
 
     info: Mapping[str, str]
 
@@ -182,8 +180,7 @@ class Backend(ABC):
         """Open a session as `session` does, in a separate context, with one call changed.
 
         It holds for `draw` and for what `trace` tells of that; None changes no call. What the lab
-        reads and captures is not touched. Raises ShaderlabError: drawing the scene takes no such
-        call."""
+        reads and captures is not touched. Raises ShaderlabError: the scene takes no such call."""
         raise UnsupportedError("changing calls of OpenGL: this driver can't")
 
     @abstractmethod
@@ -264,8 +261,7 @@ def prepare_process(driver: str | None = None) -> None:
 def preload(driver: str | None = None) -> None:
     """Import what a device of a driver needs, without opening one, where its module knows how to.
 
-    For a process that is the lab's alone. What can't be imported is left to those who open a
-    device, and who say so.
+    For a process that is the lab's alone. What can't be imported is reported by opening a device.
     """
     with suppress(Exception):
         load = getattr(importlib.import_module(MODULES[known_driver(driver)]), "preload", None)

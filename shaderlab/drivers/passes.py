@@ -289,8 +289,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     def _time(self, pass_name: str, repeats: int) -> Timing:
         """Time how long a pass takes to draw, from its first draw until the driver has finished,
-        with what this takes in Python. The first time through, when drivers compile, does not
-        count."""
+        Python included. The first time through, when drivers compile, does not count."""
         draws = self.programs[pass_name]
         seconds = []
         with self.fresh_target(pass_name) as target:

@@ -101,8 +101,7 @@ class Attachments(ABC):
 @dataclass(frozen=True)
 class DeviceTexels:
     """A texture on a device: the `handle` of it, or of a view, as the API has it, and what its
-    first level and those below it hold. What it was made from is kept with it, so that no other
-    source gets its id."""
+    first level and those below it hold. Its source is kept, so that no other one gets its id."""
 
     source: TextureSource
     handle: Any
@@ -117,8 +116,7 @@ TargetKind = TypeVar("TargetKind", bound=Attachments)
 @dataclass(eq=False)
 class SceneTextures(ABC, Generic[TargetKind]):
     """The textures of one scene on a device, each made once, attachments of earlier passes among
-    them. Paths of their files are relative to `folder`; `images` are what passes have drawn so
-    far."""
+    them. Files' paths are relative to `folder`; `images` are what passes have drawn so far."""
 
     folder: Path
     images: Mapping[tuple[str, str], Image]

@@ -239,8 +239,7 @@ def tree_of(file: Path) -> Path:
 
 def chapter_title(file: str | Path, section: str) -> str:
     """The title of the chapter that a section such as "5.5.2" lies in, as [chapters] in the
-    cases.toml of the case's tree gives it; "" where there is none. Raises CaseError: the cases.toml
-    is wrong."""
+    cases.toml of the case's tree gives it; else "". Raises CaseError: the cases.toml is wrong."""
     number = section.split(".")[0].strip()
     chapters: Mapping[str, str] = _course(tree_of(Path(file)) / TREE_FILE).get("chapters", {})
     return chapters.get(number, "")
@@ -450,8 +449,7 @@ def _execute(spec: ModuleSpec | None) -> ModuleType:
 
 
 def _forget_scripts(names: Iterable[str], folder: Path) -> None:
-    """Drop modules imported by their bare name from beside a case: another folder may hold one of
-    the same name."""
+    """Drop modules imported by bare name from beside a case: the next folder may have its own."""
     for name in names:
         spec = getattr(sys.modules.get(name.partition(".")[0]), "__spec__", None)
         places = list(spec.submodule_search_locations or [spec.origin or ""]) if spec else []

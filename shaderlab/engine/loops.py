@@ -1,8 +1,7 @@
 """Whether the loops of a scene's shaders end: llvmpipe ends all loops of an invocation after 65,535
 turns in all, and a shader that loops for ever, or that long, would pass.
 
-A scene is drawn once more with shaders that count their turns, but for loops whose constant bounds
-say that they are short.
+A scene is drawn once more with shaders that count the turns of loops not short by their bounds.
 """
 
 from __future__ import annotations

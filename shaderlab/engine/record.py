@@ -45,8 +45,7 @@ _MOST_BUFFERS = 24
 
 class RecordBuilder:
     """Collects what a record is made of, in the order in which a scene runs: `record` is what is
-    known so far; `drawn` is what was drawn, where it is to be compared with what another driver
-    draws."""
+    known so far; `drawn` is what was drawn, where another driver's is compared with it."""
 
     def __init__(self, scene: Scene) -> None:
         case = scene.case
@@ -143,8 +142,7 @@ class RecordBuilder:
         always: bool,
     ) -> None:
         """Set what holding draws against their own shaders gave: what was judged, its outcome,
-        which is shown where it fails, or `always`, and the outputs that their shader does not
-        allow."""
+        shown where it fails, or `always`, and the outputs that their shader does not allow."""
         self.set(modules=modules)
         self._outside = outside
         if always or judgement.outcome.message:
@@ -157,8 +155,7 @@ class RecordBuilder:
 
     @contextmanager
     def notice_if_unwritable(self, what: str = "a picture") -> Iterator[None]:
-        """A file for people that can't be written, on a full disk say, changes no verdict: the
-        record gets a notice."""
+        """A file for people that can't be written changes no verdict: the record gets a notice."""
         try:
             yield
         except AssetError as error:

@@ -1,7 +1,6 @@
 """The state of a process that performs requests.
 
-A worker imports this module before it reports ready, so that the time limit of its first request
-is not spent on imports.
+A worker imports this module before it reports ready: its first request has no time for imports.
 """
 
 from __future__ import annotations

@@ -19,16 +19,14 @@ _OF_THE_SHADER = (Band, Literal, Integer)
 
 
 def as_number(value: Value) -> Value:
-    """A band, literal or integer as it is, anything else as float64: dividing by zero then
-    follows IEEE 754."""
+    """A band, literal or integer as it is, else float64: dividing by zero then follows IEEE 754."""
     if isinstance(value, _OF_THE_SHADER):
         return value
     return np.asanyarray(value, dtype=np.float64)[()]
 
 
 def as_bands(*values: Value) -> list[Band] | None:
-    """All values as bands if one of them is a band, a literal or an integer of a band's rules,
-    else None."""
+    """All values as bands if one of them is a band, a literal or a band's integer, else None."""
     for value in values:
         if isinstance(value, Band):
             return [value.lift(other) for other in values]

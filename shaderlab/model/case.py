@@ -36,8 +36,7 @@ class Variant(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Erratum(Checked):
-    """A place where the text that a case follows is wrong: what it says, what is true, what proves
-    it."""
+    """Where the text that a case follows is wrong: what it says, what is true, what proves it."""
 
     says: str
     truth: str

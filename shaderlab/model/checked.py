@@ -201,8 +201,7 @@ def is_masked(value: Any) -> bool:
 
 
 def require_unmasked(value: Any, place: str) -> None:
-    """Raise CaseError where a value, or a part of one, is masked: NumPy would take the number that
-    the mask hides."""
+    """Raise CaseError where a part of a value is masked: NumPy would take the hidden number."""
     if isinstance(value, Mapping):
         for name, each in value.items():
             require_unmasked(each, f"{place}[{name!r}]")

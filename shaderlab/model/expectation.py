@@ -48,8 +48,7 @@ class Judgement:
     that make them when they are shown: "reference" and "distance" of nothing, the four arrays of
     numbers of the indices of covered pixels; these return (count, components).
 
-    `output` is the output that a shader assigns, by its draw and its own name; the report shows
-    the line where it does.
+    `output` is one that a shader assigns, by its draw and its own name; the report shows the line.
     """
 
     outcome: Outcome
@@ -97,8 +96,7 @@ class Expectation(Checked, ABC):
         return (self.named or self.kind).format(self=self)
 
     def find_reads(self, scene: Scene) -> Iterable[Read]:
-        """The outputs that it judges, found by their names alone; one that does not exist is not an
-        error here."""
+        """The outputs that it judges, found by their names alone, whether they exist or not."""
         return ()
 
     def passes(self, scene: Scene) -> frozenset[str]:
@@ -111,8 +109,7 @@ class Expectation(Checked, ABC):
         return False
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        """What it needs beyond the pictures. Raises CaseError: it names a pass, a draw or an output
-        that does not exist."""
+        """What it needs beyond the pictures. Raises CaseError: it names what does not exist."""
         return ()
 
     def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
@@ -121,8 +118,7 @@ class Expectation(Checked, ABC):
 
     @abstractmethod
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        """Judge what was drawn and answered. Raises CaseError, FormulaError: it asks for what is
-        not there."""
+        """Judge what was drawn and answered. Raises CaseError, FormulaError: it asks for more."""
 
     def judge_rows(
         self, rows: Sequence[Row], message: str, judged: int, rows_per_variant: bool = True

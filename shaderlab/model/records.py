@@ -273,8 +273,7 @@ class ProgramRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class ErratumNote:
-    """Where the text that a case follows is wrong: what it says, what is true, which expectation
-    proves it."""
+    """Where the text that a case follows is wrong: what it says, what is true, what proves it."""
 
     section: str
     says: str
@@ -284,8 +283,7 @@ class ErratumNote:
 
 @dataclass(frozen=True, kw_only=True)
 class Attachment:
-    """One attachment of a pass: its format, and a picture of it, a file relative to the run's
-    folder, or ""."""
+    """One attachment of a pass: its format, and its picture, a path in the run's folder, or ""."""
 
     name: str
     format: str
@@ -352,8 +350,7 @@ class DrawnOutput:
 
 @dataclass(frozen=True, kw_only=True)
 class LineCoverage:
-    """A line of a shader: whether a fragment came to it, and which ways of its branches were taken,
-    one after the other."""
+    """A line of a shader: whether a fragment came to it, and each way of its branches in turn."""
 
     file: str
     line: int
@@ -500,8 +497,7 @@ class Disagreement:
     distance of two values, in units in the last place (steps of 1 for integers).
 
     `verdict` is "equal" to the bit, "within" where both are in their bands, "outside" where a
-    driver leaves one; `outside` names those drivers. `pixel` is where they differ most, as
-    column and row."""
+    driver leaves one; `outside` names those. At `pixel`, (column, row), they differ most."""
 
     id: str
     variant: str

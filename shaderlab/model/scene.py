@@ -254,8 +254,7 @@ class Pass(Checked):
 
 
 def flatten_structures(values: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Each value under the name that GLSL has for it; the very same mapping if no value is of a
-    structure.
+    """Each value under its name in GLSL; the very same mapping if no value is of a structure.
 
     >>> flatten_structures({"light": {"linear": 0.09}, "lamps": [{"on": True}, {"on": False}]})
     {'light.linear': 0.09, 'lamps[0].on': True, 'lamps[1].on': False}

@@ -109,8 +109,7 @@ _ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=_par
 
 
 def parse(data: Any, kind: type[Kind], path: Path | None = None) -> Kind:
-    """The inverse of `to_plain`. Raises ShaderlabError: it was written by another version; names
-    the file at `path`."""
+    """The inverse of `to_plain`. Raises ShaderlabError: another version wrote the file `path`."""
     try:
         return _converter().structure(data, kind)
     except Exception as error:  # cattrs raises groups of its hooks' errors

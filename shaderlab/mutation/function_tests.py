@@ -66,8 +66,7 @@ class RunTestFile:
     Attributes:
         texts: what to take in place of GLSL that is loaded, by its text with includes expanded.
         only: the names of the only tests to run; all of them if empty.
-        alike: whether properties try the same samples each time, and leave no trace in Hypothesis'
-            database.
+        alike: whether properties try the same samples each time, without Hypothesis' database.
     """
 
     __test__ = False

@@ -159,8 +159,7 @@ class Judge:
         return None
 
     def _find_change(self, mutant: Evaluation, original: Evaluation) -> MutantResult | None:
-        """Survived if any bit differs of all that a mutant drew and captured; what expectations
-        read comes first."""
+        """Survived if any bit differs of what a mutant drew and captured, what is judged first."""
         changed = sorted(find_changed_outputs(mutant, original))
         read = [each for each in changed if _is_read(each, mutant, original, self._judged)]
         where = f"seen in {mutant.scene.variant}"

@@ -143,8 +143,7 @@ class WiderInputs:
 
 
 def _outputs(evaluation: Evaluation, inputs: InputRound, passes: Collection[str]) -> _Values:
-    """What some passes draw, and what the stages of the round's program make of its numbers, as the
-    target stores it."""
+    """What passes draw, and what the round's program makes of its numbers, as the target has it."""
     session, drawn, key = evaluation.session, evaluation.drawn, inputs.probed
     found = {(o, "drawn"): image.values for o, image in drawn.images.items() if o[0] in passes}
     if key is None:

@@ -65,8 +65,7 @@ def mutate_state(case: Case, seed: int = 0, variants: Collection[str] = ()) -> l
     """Return the case's state mutants, or those in some of its variants.
 
     A `State` that several draws share counts once, as when a pass is drawn large as well, or
-    backwards. Where many draws of a pass have a change alike, as in a table of draws, a few of them
-    stand for all.
+    backwards. Where many draws of a pass have a change alike, a few of them stand for all.
     """
     alike: dict[tuple[Any, ...], list[StateMutant]] = {}
     for state, draws in _states(case, variants):

@@ -83,8 +83,7 @@ def _least_and_greatest(counts: Array) -> tuple[int, int]:
 def _passing(
     draws: Sequence[Array], size: tuple[int, int]
 ) -> Iterator[tuple[int, tuple[slice, ...], Array]]:
-    """The triangles in drawing order: of which draw, and which samples of which part of the target
-    pass, for each nudge."""
+    """The triangles in drawing order: of which draw, and which samples of what part, by nudge."""
     depth = np.ones((len(_NUDGES), *size[::-1]))
     right, up = (_NUDGES[:, axis, None] + np.arange(size[axis]) + 0.5 for axis in (0, 1))
     for number, triangles in enumerate(draws):

@@ -144,8 +144,7 @@ def _format_tick(value: float) -> str:
 
 @dataclass(frozen=True)
 class ChartRow:
-    """One row of a chart's table; `at` is where its point is drawn: x and one or two heights, ""
-    where it is not drawn."""
+    """One row of a chart's table; `at` is where its point is drawn: x and heights; else ""."""
 
     cells: tuple[str, ...]
     bad: bool
@@ -199,9 +198,8 @@ class Chart:
 def draw_curve(curve: Curve) -> Chart:
     """Draw a curve as two charts: points on their reference, and where in the band each is.
 
-    A derived band is mostly thinner than a line, so the second chart stretches it: −1 and 1 are its
-    edges at every x. What can't be drawn (NaN, an infinity, x ≤ 0 on a logarithm) is counted. Over
-    two inputs it is a map.
+    A derived band is mostly thinner than a line, so the second chart stretches it to −1…1. What
+    can't be drawn (NaN, an infinity, x ≤ 0 on a logarithm) is counted. Over two inputs it is a map.
     """
     if curve.y:
         return _draw_map(curve)

@@ -1,8 +1,7 @@
 """The report as a small site in the run's folder: a front page, and a page for each case.
 
 It opens from disk, where a page may not read files but may link to them and run scripts: what is
-shown on demand is a script. It requests nothing from any network. The same as one file is for
-mailing.
+shown on demand is a script. It requests nothing from a network. As one file it is for mailing.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""What the pages of a report share: templates, style, scripts, and the policies that allow nothing
-else.
+"""What the pages of a report share: templates, style, scripts, and policies against all else.
 
 A page's policy names the hashes of the scripts that stand in it. One of the site's loads what lies
 beside it, and a browser lets only that one ('strict-dynamic').

@@ -1,5 +1,4 @@
-"""Buffers on the device: meshes and the vertex arrays that read them, uniform blocks, storage
-blocks."""
+"""Buffers on the device: meshes, the vertex arrays that read them, uniform and storage blocks."""
 
 import ctypes
 from collections.abc import Iterator, Mapping
@@ -43,8 +42,7 @@ class DeviceBuffer:
 
 @dataclass(frozen=True)
 class VertexArray:
-    """A vertex array with the buffers that it reads, for one program; `count` is how many vertices
-    a draw takes."""
+    """A vertex array and its buffers, for one program; a draw takes `count` vertices."""
 
     made: Any
     program: Any
@@ -145,8 +143,7 @@ def _point_attribute(vao: int, buffer: int, member: Any, array: Array, place: Pl
 
 
 def write_mapped(target: int, whole: bytes) -> None:
-    """Fill the buffer that is bound to a target. Raises DriverError: it can't be mapped, or its
-    contents are lost."""
+    """Fill the buffer bound to a target. Raises DriverError: it can't be mapped, or was lost."""
     address = GL.glMapBufferRange(target, 0, len(whole), GL.GL_MAP_WRITE_BIT)
     if not address:
         raise DriverError(f"the driver does not map a buffer of {len(whole)} bytes")
@@ -216,8 +213,7 @@ def find_block(program: Any, block: Block) -> int | None:
 
 
 def read_block(program: Any, block: Block) -> BlockReading:
-    """Read where the driver has a block's members, beside where the lab has them; a module itself
-    says where they lie."""
+    """Read where the driver has a block's members, beside where the lab (or a module) has them."""
     placed = {name: member.offset for name, member in block.members.items()}
     index, size, offsets = find_block(program, block), 0, dict[str, int]()
     if index is not None:

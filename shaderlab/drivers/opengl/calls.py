@@ -1,5 +1,4 @@
-"""OpenGL's functions and constants by name, and calls of them as a case writes them,
-in a separate context.
+"""OpenGL's functions and constants by name, and a case's calls of them in a separate context.
 
 The C functions are called as they are (PyOpenGL's raw prototypes): its convenient wrappers look at
 some arguments themselves, and would answer in the driver's place.

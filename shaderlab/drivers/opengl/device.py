@@ -1,5 +1,4 @@
-"""An OpenGL context on EGL, its fixed-function state, and OpenGL's functions and constants as
-PyOpenGL has them.
+"""An OpenGL context on EGL, its fixed-function state, and functions and constants of PyOpenGL's.
 
 PyOpenGL chooses its platform once, from the environment, as it is imported: all modules of this
 driver take it from here. `GL_1_0` and its like have the C functions, which move pixels as they are.
@@ -120,8 +119,7 @@ class Device:
     @contextmanager
     def in_use(self) -> Iterator[None]:
         """Make the context current for a while, and suspend PyOpenGL's check after each call, if
-        the process has it on: the lab reads GL errors itself. Can be nested, in the use of another
-        device too.
+        the process has it on: the lab reads GL errors itself. Can be nested, over devices too.
 
         The checks of compiling and linking can't be suspended: those two raise GLError.
         """

@@ -75,8 +75,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
     def use(
         self, program: Any, draw: PreparedDraw, bindings: Bindings, *, only_active: bool = False
     ) -> None:
-        """Set the program's uniforms and bind its textures; `only_active`: uniforms that it does
-        not know are left out."""
+        """Set uniforms and bind textures; with `only_active`, of those that the program knows."""
         set_uniforms(program, draw.ramps)
         members = bind.block_members(draw.interface)
         plain = {

@@ -294,8 +294,7 @@ class Uniform:
 @dataclass(eq=False)
 class SpirvProgram:
     """A linked program, with what the lab uses of a `moderngl.Program`; it is deleted with the
-    last reference to it. `glo` is OpenGL's name, `geometry_output` what its geometry stage emits,
-    None without one."""
+    last reference to it. `glo` is OpenGL's name, `geometry_output` what a geometry stage emits."""
 
     device: Device
     glo: int

@@ -1,5 +1,4 @@
-"""Textures on the device: made of images or compressed blocks, bound to samplers and image units,
-and read back.
+"""Textures on the device: made of images or compressed blocks, bound to units, and read back.
 
 Pixels are moved as they lie in memory, through PyOpenGL's raw functions: its wrappers convert and
 copy what they are given, and know neither half floats nor packed depth and stencil.

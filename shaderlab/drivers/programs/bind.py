@@ -67,12 +67,10 @@ def find_declared_uniforms(interface: Interface) -> dict[str, Variable]:
 
 
 def convert_value(variable: Variable, value: Any, what: str = "uniform") -> tuple[Array, Array]:
-    """A value as the shader gets it, and as written, both of one shape; errors call the variable
-    `what`.
+    """A value as the shader gets it, and as written, both of one shape; errors call it `what`.
 
     Shapes: a number (1,), a vector (n,), a matrix (rows, columns); arrays have one more axis in
-    front. Raises CaseError: `value` is not numbers, has another shape, or is out of the type's
-    range."""
+    front. Raises CaseError: `value` is no numbers, of another shape, or out of the type's range."""
     shape = shape_of(variable.type)
     if variable.array is not None:
         shape = (variable.array, *shape)
@@ -144,8 +142,7 @@ def make_ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, 
 def convert_inputs(
     variables: Mapping[str, Variable], values: Mapping[str, Any]
 ) -> dict[str, Array]:
-    """Given input values as arrays (1, components), matrices (1, rows, columns), of the type that
-    the shader gets."""
+    """Input values as arrays (1, components), matrices (1, rows, columns), of the shader's type."""
     known = {v.name: v for v in array_elements(variables.values())}
     own = {name: value for name, value in values.items() if name in known}
     return {name: convert_value(known[name], value)[0][None] for name, value in own.items()}
@@ -273,8 +270,7 @@ def _refuse_member(draw: Draw, interface: Interface, name: str) -> None:
 
 def _block_values(draw: Draw, interface: Interface) -> dict[str, Any]:
     """The values that a draw gives for its blocks' members, by the names of `block_members`. Raises
-    CaseError: a block or a member is missing or unknown; UnsupportedError: a block is an array of
-    blocks."""
+    CaseError: a block or member is missing or unknown; UnsupportedError: an array of blocks."""
     blocks = uniform_blocks(interface)
     compare("uniform block", draw, draw.blocks, blocks, place="blocks")
     values: dict[str, Any] = {}

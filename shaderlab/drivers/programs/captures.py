@@ -292,9 +292,8 @@ def make_probe_mesh(draw: Draw, inputs: Mapping[str, Array]) -> Mesh:
 
 
 def primitive_corners(mesh: Mesh) -> Array:
-    """The stored vertices of each primitive, (primitives, 1…3, of patches 1…32), in the order in
-    which the stages after the vertex stage get them. Source: OpenGL 4.5 core profile specification,
-    table 10.1 and §10.1."""
+    """The stored vertices of each primitive, (primitives, 1…3, of patches 1…32), in the order of
+    later stages. Source: OpenGL 4.5 core profile specification, §10.1, table 10.1."""
     order = np.arange(mesh.vertices) if mesh.indices is None else np.asarray(mesh.indices)
     size = mesh.patch_vertices if mesh.primitive == "patches" else _CORNERS.get(mesh.primitive, 3)
     if mesh.primitive in ("points", "lines", "triangles", "patches"):
@@ -348,8 +347,7 @@ def capture_vertices(draw: PreparedDraw, bindings: Bindings, capture: CaptureOut
 def probe_vertices(
     draw: PreparedDraw, bindings: Bindings, inputs: Mapping[str, Array], capture: CaptureOutputs
 ) -> Samples:
-    """Run the vertex stage on given inputs, each an array (count, components). Outputs are named as
-    in `vertices`."""
+    """Run the vertex stage on inputs (count, components). Outputs are named as in `vertices`."""
     got = _run_vertices(draw, bindings, make_probe_mesh(draw.draw, inputs), 1, capture)
     return got if draw.last_stage == "vertex" else _rename_entering(got)
 

@@ -66,8 +66,7 @@ class PreparedDraw:
 
     @functools.cached_property
     def ramps(self) -> Mapping[str, Array]:
-        """The uniforms of the vertex stage that the lab writes over a domain, none with a mesh; to
-        be read only."""
+        """Uniforms of the lab's vertex stage over a domain, none with a mesh; to be read only."""
         return bind.make_ramp_uniforms(self.draw, self.interface.varyings)
 
     @property
@@ -137,8 +136,7 @@ class Preparer:
         )
 
     def _with_domain(self, draw: Draw, authored: tuple[Source, ...]) -> tuple[Source, ...]:
-        """Add the vertex stage that lays the domain over the screen, unless it is unknown what the
-        authored stages declare."""
+        """Add the vertex stage that lays the domain over the screen, if the interface is known."""
         # One target is enough to read what the files of a program declare.
         interface = self._compile(authored, ("glsl", "opengl")).interface
         if interface is None:

@@ -66,8 +66,7 @@ class GlslDeclarations:
 
     def declare_outputs(self, variables: Sequence[Variable]) -> list[str]:
         """Declare outputs that fit a fragment shader's inputs; blocks and structs to the letter, as
-        the stages must agree on them. Raises UnsupportedError: the declaration of a struct can't be
-        found."""
+        stages must agree. Raises UnsupportedError: a struct's declaration can't be found."""
         lines: dict[str, None] = {}
         for variable in variables:
             name, head = variable.name, _head(variable.name)
@@ -527,8 +526,7 @@ def write_probe_stage(
     text: str, inputs: tuple[Variable, ...]
 ) -> tuple[str, Mapping[VaryingPart, str]]:
     """Write a vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs`
-    from attributes: a point has one vertex, so nothing is interpolated. Returns its text, and the
-    attribute of each piece."""
+    from attributes, without interpolation. Returns its text, and the attribute of each piece."""
     shader = GlslDeclarations(text)
     parts = [piece for variable in array_elements(inputs) for piece in split_parts(variable)]
     attributes = {piece: f"{PREFIX}in{i}" for i, piece in enumerate(parts)}

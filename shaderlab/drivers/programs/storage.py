@@ -2,8 +2,7 @@
 and what is left in them.
 
 Members lie where glslang puts them, by the rules of the layout that the shader names (std140,
-std430). Layers of an image2DArray or image3D lie one above the other in a pass's output, the first
-one lowest.
+std430). Layers of an image2DArray or image3D lie above each other in an output, the first lowest.
 """
 
 from collections.abc import Iterator, Mapping

@@ -29,8 +29,7 @@ def open_backend(driver: str) -> Backend:
 
 
 def prepare_process(driver: str) -> None:
-    """Have the loader find this driver alone, for good; a driver that is not there is reported when
-    a device is opened."""
+    """Have the loader find this driver alone, for good; opening a device tells if it is there."""
     try:
         os.environ.update(_variables(driver))
     except DriverError:

@@ -100,8 +100,7 @@ _MEMBER = re.compile(r"(\w+)(\[\d+\])?\.(\w+)(\[\d+\])?")
 
 @dataclass(frozen=True)
 class Binding:
-    """A program's binding: its number, the kind and number of its descriptors, and the block that
-    a buffer is laid out by."""
+    """A binding: its number, the kind and count of its descriptors, and the layout of a buffer."""
 
     number: int
     kind: int

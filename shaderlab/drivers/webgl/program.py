@@ -73,8 +73,7 @@ NO_BLOCK = 0xFFFFFFFF
 
 
 class Program:
-    """A linked program. Raises UnsupportedError: the browser refuses its ESSL, which glslang took
-    as GLSL."""
+    """A linked program. Raises UnsupportedError: the browser refuses its ESSL."""
 
     def __init__(
         self,

@@ -160,8 +160,7 @@ class RenderTarget(Attachments):
             gl.framebufferTexture2D(gl.FRAMEBUFFER, place, gl.TEXTURE_2D, image, 0)
 
     def _sample_count(self) -> int:
-        """Return the samples of a pixel: as OpenGL has it, the next number that the device offers
-        for all formats."""
+        """Return a pixel's samples: as in OpenGL, the next number offered for all formats."""
         asked = self._target.samples
         if not asked:
             return 1

@@ -10,8 +10,7 @@ the culled faces of a closed solid lie behind the others.
 
 Two faces that meet in an edge have the same depth there. If both lie on the same side of it, as at
 an outline, and a pixel's centre is on the edge itself, the one that is drawn first stays: both
-answers are right. Such pixels lie in a line along the edge; where surfaces intersect, they fill
-areas.
+are right. Such pixels lie in a line along the edge; where surfaces intersect, they fill areas.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -159,8 +158,7 @@ class AnyOrder(Exact):
 @dataclass(frozen=True)
 class Redraw(TypedNeed[Array]):
     """An output of a pass that is drawn once more: from the other end of the depth buffer if
-    `turned`, and with depth test `test` in each draw, or else its own; nothing is culled unless
-    `culled`."""
+    `turned`, with depth test `test` in each draw, or its own; nothing is culled unless `culled`."""
 
     pass_name: str
     output: str

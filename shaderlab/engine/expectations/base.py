@@ -55,8 +55,7 @@ class Context:
 
 @dataclass(frozen=True)
 class SessionQuery(TypedNeed[Answer]):
-    """What the session answers to a question: one of `shaderlab.drivers.QUERIES`,
-    and its arguments."""
+    """What the session answers: one of `shaderlab.drivers.QUERIES`, and its arguments."""
 
     question: str
     about: tuple[Hashable, ...]

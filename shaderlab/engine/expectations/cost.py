@@ -1,5 +1,4 @@
-"""cost: a table of what passes cost by a number N: draw calls, vertices, and time, which is shown
-but never judged."""
+"""cost: a table of what passes cost by a number N: draw calls, vertices, and time, not judged."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -22,8 +21,7 @@ Best = Mapping[tuple[str, float], float]
 
 @dataclass(frozen=True)
 class Cost(Expectation):
-    """What passes cost: a table of draw calls, vertices, and the best time of several; and a plot
-    of the times over N.
+    """What passes cost: a table of draw calls, vertices and the best times, and a plot of these.
 
     Draw calls and vertices are judged where a formula for them is given. Time never is: it differs
     between machines, and only its ratios are of interest. The table says whether a claim about it

@@ -1,5 +1,4 @@
-"""Discarded fragments: everything that a draw's geometry covers must be visible, except for what a
-rule says is discarded.
+"""Discarded fragments: what a draw's geometry covers must be visible, unless a rule discards it.
 
 An expectation that reads an attachment judges what is there. Whatever its kind, it fails where
 fragments of the draws into this attachment are missing, or are visible and should be discarded.

@@ -1,5 +1,4 @@
-"""What the driver says of one draw: layouts in memory, counters, errors, inactive uniforms, and how
-many pixels show it."""
+"""What the driver says of one draw: layouts, counters, errors, inactive uniforms, and pixels."""
 
 from abc import abstractmethod
 from collections.abc import Hashable, Iterable, Mapping, Sequence

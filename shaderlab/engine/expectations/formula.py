@@ -173,8 +173,7 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
 class Sweep(ReferenceExpectation):
     """The band holds while the input `over` takes each of `values`; the report draws the curve.
 
-    `at` gives other inputs by name; those that it leaves out stay as the case has them. For the
-    rest see `Formula`.
+    `at` gives other inputs by name; what it leaves out stays. For the rest see `Formula`.
     """
 
     kind = "sweep"

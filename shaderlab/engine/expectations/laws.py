@@ -66,8 +66,7 @@ class OutputLaw(OutputExpectation):
 
 @dataclass(frozen=True, kw_only=True)
 class EachValue(OutputLaw):
-    """A law that every value keeps by itself, or beside another one; GLSL functions are checked by
-    the very same laws."""
+    """A law that every value keeps by itself, or beside another one, as GLSL functions do."""
 
     named = "{self.output} {self.law.title}"
     types: ClassVar[str] = "iufb"
@@ -139,8 +138,7 @@ class EachValue(OutputLaw):
 @dataclass(frozen=True)
 class Bounded(EachValue):
     """low ≤ `output` ≤ high while the input `over` takes each of `values`. The bounds are numbers,
-    or one for each component. Raises CaseError: a lower bound above its upper one, none at all, or
-    no values."""
+    or one for each component. Raises CaseError: none, low above high, or no values."""
 
     kind = "bounded"
 
@@ -157,8 +155,7 @@ class Bounded(EachValue):
 class Monotone(EachValue):
     """`output` never falls ("increasing") or never rises ("decreasing") while the input `over` goes
     through `values`; with `strict`, it never stays the same either. Of vectors, each component. An
-    output that changes nowhere fails. Raises CaseError: fewer than two values, or values that do
-    not rise."""
+    output that changes nowhere fails. Raises CaseError: fewer than two, or not rising."""
 
     kind = "monotone"
     named = "{self.output} {self.direction}"

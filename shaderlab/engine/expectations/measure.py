@@ -29,8 +29,7 @@ from ..judging.references import locate_error, make_error, parameter_name, param
 
 @dataclass(frozen=True, kw_only=True)
 class Bound:
-    """low ≤ figure ≤ high. `digits` is for a printed figure, which is in the middle; None for
-    other bounds."""
+    """low ≤ figure ≤ high. `digits` is for a printed figure, which is in the middle, else None."""
 
     low: float = -math.inf
     high: float = math.inf
@@ -52,8 +51,7 @@ class Bound:
 @dataclass(frozen=True, kw_only=True)
 class Bounded(Checked):
     """What has a figure with a bound, given in one of three ways: the figure rounds to `equals` at
-    so many `digits`; it is `at_most` so much, or `at_least`, or both; or it lies `between` two
-    ends."""
+    so many `digits`; it is `at_most` or `at_least` so much, or both; or lies `between` two ends."""
 
     label: str | float
     equals: float | None = None
@@ -64,8 +62,7 @@ class Bounded(Checked):
 
     @property
     def bound(self) -> Bound | None:
-        """The bound; None where none is given. Raises CaseError: two are given, or one that holds
-        no number, or all."""
+        """The bound, if given. Raises CaseError: two are, or one that holds no number, or all."""
         ways = [(self.equals, self.digits), (self.at_most, self.at_least), (self.between,)]
         given = sum(any(part is not None for part in way) for way in ways)
         what = f"measure {self.label!r}"

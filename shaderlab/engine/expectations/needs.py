@@ -35,8 +35,7 @@ BEFORE_RASTERISATION = ("vertex", "tess_control", "tess_evaluation", "geometry")
 
 @dataclass(frozen=True)
 class CapturedFragments(TypedNeed[Fragments]):
-    """What the fragment shader of a draw got, at each pixel; of a dispatch, what its invocations
-    got."""
+    """What a draw's fragment shader got, at each pixel, or a dispatch's invocations."""
 
     key: PassDraw
 

@@ -1,5 +1,4 @@
-"""compile_fails and refused: the compilers reject a shader, or the lab rejects something, with
-exactly these messages."""
+"""compile_fails and refused: compilers reject a shader, or the lab something, in these words."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field

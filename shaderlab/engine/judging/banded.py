@@ -40,8 +40,7 @@ MAX_VACUOUS = 0.01
 class BoundedValues:
     """Measured values with their bands, all arrays (count, components).
 
-    `inside` says which are in their band; `unit` is the size of one code for fixed-point formats,
-    None for floats.
+    `inside` says which are in their band; `unit` is a fixed-point format's step, None for floats.
     """
 
     measured: Array

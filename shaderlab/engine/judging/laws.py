@@ -303,8 +303,7 @@ def symmetric(
 
 
 def _constant(values: Array, batch: Batch) -> str:
-    """Say that an output varies nowhere, of which most laws hold; "" where it does, or where there
-    is but one value."""
+    """Say that an output of several values varies nowhere, of which most laws hold, else ""."""
     flat = values.reshape(math.prod(batch), -1)
     constant = len(flat) > 1 and bool((flat == flat[:1]).all())
     return "it is the same at all values: vary an input that it depends on" * constant

@@ -109,8 +109,7 @@ def _copy_function(function: FunctionType, rules: Rules) -> FunctionType:
 
 
 def _convert_global(names: dict[str, Any], name: str, value: Any, rules: Rules) -> Any:
-    """A module's value; a number that the module computes from constants is computed from
-    literals."""
+    """A module's value; a number that it computes from constants is computed from literals."""
     if type(value) is not float:
         return _convert(value, rules)
     expression = _find_assigned_expression(names.get("__file__") or "", name)

@@ -94,7 +94,7 @@ class Inputs:
 
     def parameters(self) -> dict[str, list[str]]:
         """The GLSL names behind each parameter name; several for a list of struct members."""
-        return parameter_names(*self.shared, *self.each, *self.textures)
+        return parameter_names(*{**self.shared, **self.each, **self.textures})
 
     def at(self, index: int, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
         """The values of some inputs for judged value `index`, for showing."""
@@ -149,9 +149,8 @@ def evaluate(
     """The reference's value: a Band under `rules`, or a float64 array without them.
 
     With `decimal`, inputs are taken as the case wrote them, before they became float32.
-    `parameters` is the result of `match_parameters`, for callers that evaluate one part after the
-    other. Raises FormulaError: a parameter matches nothing, or the reference fails; names its file
-    and line."""
+    `parameters` is the result of `match_parameters`, for callers that evaluate part after part.
+    Raises FormulaError: a parameter matches nothing, or the reference fails, in which line."""
 
     exact = inputs.exact
 

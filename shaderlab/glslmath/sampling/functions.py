@@ -458,8 +458,7 @@ def _to_level(lod: Any) -> Span | None:
 
 
 def _project(sampler: Sampler, p: Any) -> Any:
-    """(s, t)/q, or (s, t, r)/q of a shadow sampler; of four coordinates without a comparison the
-    third is not used."""
+    """(s, t)/q, or (s, t, r)/q of a shadow sampler; otherwise the third of four is unused."""
     if sampler.texels.kind != "2D":
         raise FormulaError(f"GLSL projects onto no sampler{sampler.texels.kind}")
     shadow = sampler.texels.compare is not None

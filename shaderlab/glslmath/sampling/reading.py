@@ -124,8 +124,7 @@ def _border(color: tuple[float, ...], fixed: bool) -> Array:
 
 
 def fetch(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
-    """Texels inside a level, by column, row and layer, as (count, 4): absent components are 0,
-    absent alpha is 1."""
+    """Texels of a level, by column, row and layer, (count, 4): absent components are 0, alpha 1."""
     _, height, width, _ = level_values(sampler, level).shape
     return _fetch_numbered(sampler, level, (layer * height + y) * width + x)
 

@@ -1,8 +1,7 @@
 """The formats in which a run can be written to one file besides the page.
 
 Each is a module of this folder with a function `render(run) -> str`, and a line in FORMATS, from
-which `shaderlab run` and `shaderlab report` get the option `--NAME FILE`. A module is imported
-when it is used.
+which `shaderlab run` and `report` get the option `--NAME FILE`. It is imported when used.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Which lines and branches of shaders ran, as LCOV's tracefile (geninfo(1)), for coverage services.
 
-Of each file it has the lines with code; the count of one is that of the programs that ran it, each
-variant's on its own.
+Of each file it has the lines with code, with how many programs ran them, each variant's apart.
 """
 
 from __future__ import annotations

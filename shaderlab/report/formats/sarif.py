@@ -47,8 +47,7 @@ def render_findings(findings: Iterable[Finding], command: str, *, complete: bool
     commands do not replace each other; `complete` says whether everything was looked at.
 
     Paths are relative to the repository. A fingerprint is made of the rule, the path, what is
-    judged and the text of the line: it stays when lines above come and go, and when figures
-    change."""
+    judged and the line's text: it stays when lines above come and go, and figures change."""
     found = list(findings)
     rules = sorted({finding.rule for finding in found})
     root, lines, seen = find_repository(), LineReader(), Counter[str]()
