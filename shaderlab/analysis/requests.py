@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shaderlab.analysis.hazards import Audit, Plan
-from shaderlab.compiler.shader_files import ShaderFile
+from shaderlab.compiler.shader_files import ShaderFile, holds_glsl
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.translation import MODULES
 from shaderlab.errors import FormulaError, NotInterpretedError, UsageError, in_file
@@ -55,7 +55,7 @@ class ShaderOfFile:
     @property
     def is_module(self) -> bool:
         """Whether it is SPIR-V or becomes it, and no GLSL."""
-        return self.file.path.lower().endswith(MODULES)
+        return self.file.path.lower().endswith(MODULES) and not holds_glsl(self.file.path)
 
 
 def assume(source: Source, conditions: Sequence[str]) -> Source:

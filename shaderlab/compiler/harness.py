@@ -140,24 +140,25 @@ class Work:
     def __call__(self, job: CompileJob) -> FileResult:
         options = job.options
         try:
-            return _compile(job, [self._load(file, options) for file in job.files])
+            stages = [source for file in job.files for source in self._load(file, options)]
+            return _compile(job, stages)
         except ShaderError as error:
             message = error.message + (f" ({error.remedy})" if error.remedy else "")
             return _report_failure(job, message, error.file, error.line)
 
-    def _load(self, file: ShaderFile, options: CompileOptions) -> Source:
-        """A file's source; that of a library of functions with a `main` that calls none."""
+    def _load(self, file: ShaderFile, options: CompileOptions) -> list[Source]:
+        """A file's stages; a library of functions with a `main` that calls none."""
         folders = tuple(dict.fromkeys([file.root, *map(str, options.include)]))
         key = folders, tuple(options.defines.items())
         if key not in self._shaders:
             self._shaders[key] = Shaders(list(map(Path, folders)), defines=options.defines)
         if options.stage is not None or not is_library(file.path):
-            return self._shaders[key].load(file.name, options.stage)
+            return self._shaders[key].load_stages(file.name, options.stage)
         stage = EXTENSIONS.get(Path(file.name).suffix, "fragment")
         source = self._shaders[key].load(file.name, stage)
         if source.version == (110, ""):
             source = raise_version(source, f"#version {_NEWEST} core")
-        return replace(source, text=f"{source.text}\nvoid main() {{}}\n", stripped=None)
+        return [replace(source, text=f"{source.text}\nvoid main() {{}}\n", stripped=None)]
 
 
 _NEWEST = 450

@@ -9,7 +9,7 @@ import os
 import posixpath
 import re
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,7 +30,11 @@ _TELLING = {
     "fragment": re.compile(r"\bgl_Frag(?:Color|Data|Coord|Depth)\b|\bdiscard\s*;"),
     "compute": re.compile(r"\bgl_GlobalInvocationID\b|\blocal_size_x\b"),
 }
-_PRAGMA_NAMES = {"tesscontrol": "tess_control", "tesseval": "tess_evaluation"}
+_PRAGMA_NAMES = {"tesscontrol": "tess_control", "tesseval": "tess_evaluation", "pixel": "fragment"}
+SECTION = re.compile(
+    r"^[ \t]*#(?:[ \t]*(?:pragma[ \t]+stage|type|shader)[ \t]+|\[)(\w+)\]?[ \t]*$", re.M
+)
+"""Where a stage begins in a file of several, as RetroArch, Hazel and Godot write it."""
 
 # A quoted include path may hold "//"; everything else that looks like a comment is one. Without
 # groups the search skips to the next quote or slash, which is several times as fast.
@@ -70,6 +74,7 @@ def read_shader(path: str | Path) -> str:
         parts = text.split("`")
         parts[::2] = ("\n" * outside.count("\n") for outside in parts[::2])
         text = "".join(parts)
+    refuse_other_languages(path, text)
     return normalise(text, path)
 
 
@@ -83,19 +88,49 @@ _LANGUAGES = {
     **dict.fromkeys((".mesh", ".task"), "of a mesh stage"),
     **dict.fromkeys((".rgen", ".rint", ".rahit", ".rchit", ".rmiss"), "of a ray-tracing stage"),
 }  # fmt: skip
+_AS_MODULE = "audit, diff and explain take it as SPIR-V of its own compiler"
+_REWRITE = "write what is its own in plain GLSL"
+# What no GLSL holds outside of comments: a word, where it stands, the language, and what to do.
+_FOREIGN = (
+    ("shader_type", r"^[ \t]*shader_type[ \t]+\w+[ \t]*;", "Godot's language", _REWRITE),
+    ("PROGRAM", r"^[ \t]*(?:CG|HLSL|GLSL)PROGRAM\b", "Unity's ShaderLab", _AS_MODULE),
+    ("$input", r"^\$input[ \t]", "bgfx's dialect", _AS_MODULE),
+    ("metal;", r"\busing namespace metal;", "the Metal Shading Language", _AS_MODULE),
+    ("@", r"^[ \t]*@(?:vertex|fragment|compute)\b", "WGSL", f"call it .wgsl: {_AS_MODULE}"),
+    ("SV_", r":[ \t]*SV_[A-Z]", "HLSL", f"call it .hlsl: {_AS_MODULE}"),
+    ("cbuffer", r"^[ \t]*cbuffer[ \t]+\w+\s*[:{]", "HLSL", f"call it .hlsl: {_AS_MODULE}"),
+    ("Image ", r"\bvec4 effect[ \t]*\([^)]*\bImage ", "LÖVE's dialect", _REWRITE),
+    ('"INPUTS"', r"\A\s*/\*\s*\{", "of the Interactive Shader Format", _REWRITE),
+)
 
 
-def refuse_other_languages(path: str | Path) -> None:
-    """Raise ShaderError for a file whose name says that it is not written in GLSL."""
+def refuse_other_languages(path: str | Path, text: str = "") -> None:
+    """Raise ShaderError for a file whose name, or whose text, says that it is not written in GLSL;
+    one with a `#version` is."""
     suffix = os.path.splitext(path)[1].lower()
     if suffix == ".spv":
         raise ShaderError("is a SPIR-V module, which audit, diff and explain read", file=path)
-    if language := _LANGUAGES.get(suffix):
-        raise ShaderError(
-            f"is {language}; the lab reads GLSL and SPIR-V",
-            file=path,
-            remedy="audit, diff and explain take it as SPIR-V of its own compiler",
-        )
+    language, remedy = None if holds_glsl(path) else _LANGUAGES.get(suffix), _AS_MODULE
+    for word, place, foreign, what_to_do in _FOREIGN:
+        if word in text and not language:
+            code = text if place.startswith(r"\A") else strip_comments(text)
+            if re.search(place, code, re.MULTILINE) and not version_of(code):
+                language, remedy = foreign, what_to_do
+    if language:
+        said = f"is {language}; the lab reads GLSL and SPIR-V"
+        raise ShaderError(said, file=path, remedy=remedy)
+
+
+def holds_glsl(path: str | Path) -> bool:
+    """Whether a file's name says Slang and its text GLSL, as RetroArch's: it has a `#version`."""
+    if not str(path).endswith(".slang"):
+        return False
+    try:
+        with open(open_regular(path), "rb") as file:
+            data = file.read(MAX_BYTES)
+    except OSError:
+        return False
+    return re.search(rb"^[ \t]*#[ \t]*version[ \t]", data, re.MULTILINE) is not None
 
 
 def decode(data: bytes, path: str | Path) -> str:
@@ -162,6 +197,8 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
         suffix = posixpath.splitext(stem)[1]
     if suffix in EXTENSIONS:
         return EXTENSIONS[suffix]
+    if sections := find_sections([text]):
+        return "fragment" if "fragment" in sections else sections[0]
     code = strip_comments(text)
     pragma = _PRAGMA.search(code)
     if pragma is None and _is_shadertoy(code):
@@ -182,6 +219,20 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
         said, remedy = f"#pragma shader_stage({word}) names no stage", suggest(word, STAGES)
         raise ShaderError(said, file=path or name, line=line, remedy=remedy)
     return stage
+
+
+def section_of(row: str) -> str:
+    """Return the stage that begins at a row of comment-free text, in a file of several; else ""."""
+    found = SECTION.fullmatch(row)
+    return _PRAGMA_NAMES.get(found[1], found[1]) if found else ""
+
+
+def find_sections(texts: Iterable[str]) -> list[str]:
+    """Return the stages that begin in these texts, each once."""
+    marked = (strip_comments(text) for text in texts if SECTION.search(text))
+    return list(
+        dict.fromkeys(section_of(each[0]) for code in marked for each in SECTION.finditer(code))
+    )
 
 
 _MAIN_IMAGE, _MAIN = (re.compile(rf"\bvoid\s+{name}\s*\(") for name in ("mainImage", "main"))
@@ -447,7 +498,8 @@ def find_shaders(
 def find_other_languages(folder: str | Path) -> list[str]:
     """The files below a folder that `find_shaders` leaves out since their names say another
     language."""
-    return [f for f in _walk(str(folder)) if os.path.splitext(f)[1].lower() in _LANGUAGES]
+    other = (f for f in _walk(str(folder)) if os.path.splitext(f)[1].lower() in _LANGUAGES)
+    return [file for file in other if not holds_glsl(file)]
 
 
 def _locate(file: str, folder: str, roots: Sequence[tuple[str, str]]) -> ShaderFile:
@@ -477,7 +529,8 @@ def _walk(folder: str) -> Iterator[str]:
 def _find_units(folder: str) -> Iterator[str]:
     """Yield the files below a folder that are compiled by themselves: those with a stage, and
     libraries of functions that none of the files includes."""
-    files = [file for file in _walk(folder) if os.path.splitext(file)[1] in (*EXTENSIONS, ".glsl")]
+    own = (*EXTENSIONS, ".glsl")
+    files = [f for f in _walk(folder) if os.path.splitext(f)[1] in own or holds_glsl(f)]
     if not any(map(is_library, files)):
         yield from files
         return

@@ -29,10 +29,12 @@ from .shader_files import (
     File,
     OutsideError,
     Roots,
+    find_sections,
     frame_text,
     normalise,
     normalise_name,
     rename_words,
+    section_of,
     stage_of,
     strip_comments,
     version_of,
@@ -45,7 +47,7 @@ MAX_DEPTH = 64
 MAX_INCLUDES = 10_000
 
 _DIRECTIVE = re.compile(r"[ \t]*#[ \t]*(include|pragma|line|extension)\b[ \t]*(.*)")
-_ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension)\b")
+_ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension|type|shader)\b|#\[")
 _VERSION_LINE = re.compile(r"[ \t]*#[ \t]*version\b")
 _ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*$", re.MULTILINE)
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
@@ -62,7 +64,7 @@ _CONTINUED = re.compile(r"\\$", re.MULTILINE)
 _LACKED = re.compile(r"(\w+)(?:' : (?:undeclared|no matching)|, which nothing defines)")
 _NOT_FOR_COMPILERS = (
     "GL_GOOGLE_include_directive", "GL_ARB_shading_language_include", "glslify",
-    "GL_EXT_draw_buffers",
+    "GL_EXT_draw_buffers", "once",
 )  # fmt: skip
 
 _Trail = tuple[tuple[File, int], ...]
@@ -113,7 +115,7 @@ def expand(file: File, roots: Roots, defines: Mapping[str, str], stage: str) -> 
     chain of includes that led there."""
     code = strip_comments(file.text)
     version = version_of(code)
-    expansion = Expansion(roots, defines, version[0] if version else 110)
+    expansion = Expansion(roots, defines, version[0] if version else 110, stage)
     expansion.append(file, code, ())
     before, after = ((), ()) if version else frame_text("\n".join(expansion.codes), stage)
     expansion.define_first(before)
@@ -125,8 +127,10 @@ class Expansion:
     """The text so far: its rows, the same without comments (`codes`), runs of each file's lines
     (as in `LineMap`), and the path and own text of each file it is made of."""
 
-    def __init__(self, roots: Roots, defines: Mapping[str, str], version: int) -> None:
+    def __init__(self, roots: Roots, defines: Mapping[str, str], version: int, stage: str) -> None:
         self._roots, self._version, self._includes = roots, version, 0
+        self._own_section = ("", stage)  # rows before all sections, and of the stage's own
+        self._section = ""
         self._defines = [f"#define {word} {value}".rstrip() for word, value in defines.items()]
         self.rows: list[str] = []
         self.codes: list[str] = []
@@ -145,10 +149,11 @@ class Expansion:
         rows, codes = text.split("\n"), code.split("\n")
         if trail and rows[-1] == "":
             rows.pop()  # the file's last line end does not start another line
-        guard = _once_macro(file, code) if trail else None
+        shown = self._section in self._own_section
+        guard = _once_macro(file, code) if trail and shown else None
         if guard:
             self.add((file.path, 1), f"#ifndef {guard}", f"#define {guard}")
-        if _ANY_DIRECTIVE.search(code) or (self._defines and "version" in code):
+        if not shown or _ANY_DIRECTIVE.search(code) or (self._defines and "version" in code):
             self._append_rows(file, rows, codes, trail)
         else:
             self.rows += rows
@@ -172,6 +177,7 @@ class Expansion:
             directive = _DIRECTIVE.fullmatch(code) if "#" in code else None
             kind, rest = directive.groups() if directive else ("", "")
             line = _LINE.fullmatch(rest.strip()) if kind == "line" else None
+            self._section = section_of(code) or self._section
             if kind == "include":
                 inner = self._find_included(rest.strip(), (*trail, (file, number)))
                 self.append(inner, strip_comments(inner.text), (*trail, (file, number)))
@@ -181,6 +187,8 @@ class Expansion:
                 self._append_module(
                     name, path, dict(_GIVEN.findall(given)), (*trail, (file, number))
                 )
+            elif self._section not in self._own_section or section_of(code):
+                self.add(place, "")
             elif rest.split(":")[0].strip() in _NOT_FOR_COMPILERS:
                 self.add(place, "")  # drivers without the extension would refuse it
             elif line:
@@ -192,7 +200,7 @@ class Expansion:
                 self.rows.append(row)
                 self.codes.append(code)
                 self.spans.append((*place, 1))
-            if self._defines and _VERSION_LINE.match(code):
+            if self._defines and _VERSION_LINE.match(self.codes[-1]):
                 self.add(place, *self._defines)
                 self._defines = []
 
@@ -413,6 +421,12 @@ class Shaders(Roots):
         used, or the stage is unknown."""
         file = self.shader(name)
         return self._source(file, name, stage or stage_of(name, file.text, file.path))
+
+    def load_stages(self, name: str, stage: str | None = None) -> list[Source]:
+        """As `load`; without a stage, all of those that the file has sections for."""
+        source = self.load(name, stage)
+        others = [] if stage else find_sections(text for _, text in source.parts)
+        return [self.load(name, each) for each in others] or [source]
 
     def from_text(self, text: str, stage: str, name: str) -> Source:
         """Return a shader that is not a file, such as a generated stage; it may include files.

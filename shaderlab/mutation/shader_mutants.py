@@ -1,13 +1,14 @@
 """All mutants of shaders: each operator applied to each node of their syntax trees."""
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tree_sitter import Node
 
-from shaderlab.compiler.sources import Source
+from shaderlab.compiler.shader_files import find_sections
+from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.syntax import Syntax, name_of, reachable, walk
 from shaderlab.engine.catalogue import shaders_of
 from shaderlab.model.case import Case, Scene
@@ -53,10 +54,28 @@ def mutate_case(
     by_stage: dict[str, list[ShaderMutant]] = {}
     mutants: list[ShaderMutant] = []
     for program in programs:
-        for name in program:
+        for name in dict.fromkeys(program):
             if name not in by_stage:
-                by_stage[name] = mutate_stage(shaders.load(name), program, operators)
+                by_stage[name] = _mutate_file(shaders, name, program, tuple(operators))
             mutants += (replace(mutant, program=program) for mutant in by_stage[name])
+    return mutants
+
+
+def _mutate_file(
+    shaders: Shaders, name: str, program: tuple[str, ...], operators: Sequence[Operator]
+) -> list[ShaderMutant]:
+    """Every mutant of the stages of one file that a program has."""
+    stages = shaders.load_stages(name)
+    if not find_sections(text for _, text in stages[0].parts):
+        return mutate_stage(stages[0], program, operators)
+    used = [one.stage for one in stages] if program.count(name) > 1 else [shaders.load(name).stage]
+    mutants = []
+    for one in stages:
+        texts = {each.stage: each.text for each in stages}
+        for mutant in mutate_stage(one, program, operators) if one.stage in used else ():
+            texts[one.stage] = mutant.text
+            text = "\n".join(f"#type {stage}\n{own}" for stage, own in texts.items())
+            mutants.append(replace(mutant, text=text))
     return mutants
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from shaderlab.compiler.compile import Compile, Compiled, compile_program
 from shaderlab.compiler.glslang import TARGETS
 from shaderlab.compiler.reflection import Interface, Variable
+from shaderlab.compiler.shader_files import STAGES
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, suggest
 from shaderlab.model.case import Scene
@@ -116,7 +117,9 @@ class Preparer:
         if draw.mesh is not None and draw.mesh is not draw.mesh.made():
             draw = replace(draw, mesh=draw.mesh.made())
         _check_patches(draw)
-        authored = tuple(self.source(name) for name in draw.shaders)
+        named = ((getattr(draw, stage), stage) for stage in STAGES if getattr(draw, stage))
+        twice = len(set(draw.shaders)) < len(draw.shaders)  # then a file has sections
+        authored = tuple(self.source(name, stage if twice else None) for name, stage in named)
         sources = authored if draw.domain is None else self._with_domain(draw, authored)
         compiled = self._compile(sources, targets)
         if compiled.interface is None and sources is not authored:
