@@ -562,6 +562,24 @@ def test_the_command_shows_each_survivor_s_place_and_writes_json(
     assert any(s["line"] == 7 and s["operator"] == "max dropped" for s in case["survived"])
 
 
+def test_both_stages_of_one_file_are_drawn_and_mutated(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mistake in one stage leaves the other as it is: each mutant compiles."""
+    monkeypatch.chdir(folder)
+    both = [f"#type {stage}\n{(folder / f'quad.{stage[:4]}').read_text()}"
+            for stage in ("vertex", "fragment")]  # fmt: skip
+    (folder / "both.glsl").write_text("\n".join(both))
+    words = STATEFUL.replace("quad.vert", "both.glsl").replace("quad.frag", "both.glsl")
+    (folder / "both.py").write_text(words)
+    found = []
+    for name in ("quad", "both"):
+        mutate(f"./{name}.py", "--json", "out.json", "--jobs", 0)
+        (case,) = json.loads((folder / "out.json").read_text())["cases"]
+        found.append({key: case[key] for key in ("killed", "invalid", "equivalent")})
+    assert found[0] == found[1] and found[0]["killed"] > 5
+
+
 def test_a_sample_and_a_score_to_reach(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)
     code, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--json", "a.json", "--jobs", 0)

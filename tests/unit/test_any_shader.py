@@ -74,6 +74,71 @@ def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
         assert status == 0 and "shaderlab_own" not in said, said
 
 
+def test_words_of_other_languages_in_comments_are_no_other_language(tmp_path: Path) -> None:
+    file = tmp_path / "a.glsl"
+    words = (
+        "shader_type spatial;\n@fragment\nin HLSL: SV_Target\ncbuffer A {\nusing namespace metal;"
+    )
+    file.write_text(f"/*\n{words}\n*/\nfloat half_of(float x) {{ return 0.5 * x; }}\n")
+    assert call("audit", file)[0] == 0
+    assert glsl.load(file).half_of(3.0) == 1.5
+
+
+SEVERAL = {
+    "pass.slang": """#version 450
+        #include "common.h"
+        layout(set = 0, binding = 0, std140) uniform UBO { mat4 MVP; } global;
+        #include "stage.inc"
+        // #pragma stage geometry
+        #pragma stage fragment
+        #include "common.h"
+        layout(location = 0) in vec2 uv;
+        layout(location = 0) out vec4 c;
+        void main() { c = vec4(sqrt(half_of(uv.x))); }""",
+    "quad.glsl": """#type vertex
+        #version 450 core
+        layout(location = 0) in vec2 at;
+        layout(location = 0) out vec2 uv;
+        void main() { uv = at; gl_Position = vec4(at, 0.0, 1.0); }
+        #type pixel
+        #version 450 core
+        layout(location = 0) in vec2 uv;
+        layout(location = 0) out vec4 c;
+        void main() { c = vec4(sqrt(uv.x)); }""",
+}
+PARTS = {
+    "common.h": "#pragma once\nfloat half_of(float x) { return 0.5 * x; }\n",
+    "stage.inc": """#pragma once
+        #pragma stage vertex
+        layout(location = 0) in vec2 at;
+        layout(location = 0) out vec2 uv;
+        void main() { uv = at; gl_Position = global.MVP * vec4(at, 0.0, 1.0); }""",
+}
+
+
+@pytest.mark.parametrize("name", SEVERAL)
+def test_a_file_of_several_stages_is_one_program(tmp_path: Path, name: str) -> None:
+    """Its fragment stage is audited, compared and explained, or the one that is asked for; lines
+    are the file's own, and what stands before all stages is each one's."""
+    file = tmp_path / name
+    for part, text in PARTS.items():
+        (tmp_path / part).write_text(text)
+    file.write_text(SEVERAL[name])
+    assert call("compile", file) == call("compile", tmp_path)
+    status, said = call("compile", file)
+    assert (status, said.count(" 1 ")) == (0, 3) and "warning" not in said, said
+    assert f"{name}:10: sqrt of a negative number" in call("audit", file)[1]
+    assert call("audit", file, "--stage", "vertex")[0] == 0
+    assert "c: same" in call("diff", file, file)[1]
+    assert "gl_Position" in call("diff", file, file, "--stage", "vertex")[1]
+    assert f"{name}:10" in call("explain", file)[1]
+    file.write_text(SEVERAL[name].replace("uv = at;", "uv = att;"))
+    for part, text in PARTS.items():
+        (tmp_path / part).write_text(text.replace("uv = at;", "uv = att;"))
+    line = "stage.inc:5" if "inc" in SEVERAL[name] else f"{name}:5"
+    assert f"{line}: error: 'att' : undeclared" in call("compile", file)[1]
+
+
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
@@ -83,6 +148,17 @@ def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
         ("a.gdshader", "shader_type canvas_item;", "is Godot's language"),
         ("a.metal", "fragment float4 f() { return 1; }", "is the Metal Shading Language"),
         ("a.cginc", "float4 f() { return 1; }", "is HLSL"),
+        ("a.frag", "shader_type spatial;\nvoid fragment() { ALBEDO = vec3(UV, 1.0); }",
+         "is Godot's language"),
+        ("a.frag", "vec4 effect(vec4 tint, Image image, vec2 uv, vec2 at) { return tint; }",
+         "is LÖVE's dialect"),
+        ("a.fs", '/*{ "INPUTS": [{"NAME": "level", "TYPE": "float"}] }*/\nvoid main() {\n'
+         "gl_FragColor = vec4(level * TIME); }", "is of the Interactive Shader Format"),
+        ("a.glsl", "float4 main(float2 uv : TEXCOORD0) : SV_Target { return uv.xyxy; }",
+         "call it .hlsl"),
+        ("a.frag", "@fragment\nfn main() -> @location(0) vec4f { return vec4f(1.0); }",
+         "call it .wgsl"),
+        ("a.glsl", "#type vertx\n#version 330\nvoid main() {}", "no such stage: 'vertx'"),
         ("a.frag", "#version 120\nvoid main() { gl_FragColor = gl_TexCoord[0]; }",
          "declare it: nothing feeds the fixed-function pipeline"),
         ("a.frag", "#include <common>\nvoid main() {}", "no file to #include: 'common'"),
