@@ -217,7 +217,8 @@ def replace_shaders(
 
 
 def parse_replacements(words: Sequence[str]) -> Replacements:
-    """Both sides of each NAME=FILE. Raises UsageError: another form, or there is no such file."""
+    """What stands on both sides of each NAME=FILE. Raises UsageError: it is not of that form, or
+    there is no such file."""
     found: dict[str, Path] = {}
     for word in words:
         name, equals, file = word.partition("=")

@@ -118,7 +118,8 @@ class Expectation(Checked, ABC):
 
     @abstractmethod
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        """Judge what was drawn and answered. Raises CaseError, FormulaError: it asks for more."""
+        """Judge what was drawn and answered. Raises CaseError, FormulaError: it asks for what is
+        not there."""
 
     def judge_rows(
         self, rows: Sequence[Row], message: str, judged: int, rows_per_variant: bool = True

@@ -47,7 +47,8 @@ def mutate_case(
     """Return every mutant of every program of a case, in the order in which programs first appear.
 
     A mutant is one place in one program: what two programs include is mutated in each of them. A
-    program of several draws, passes or variants counts once. Raises ShaderError: it is no GLSL."""
+    program of several draws, passes or variants counts once. Raises ShaderError: a shader
+    can't be read."""
     shaders = shaders_of(Path(case.file).parent, {})
     passes = (description for s in select_scenes(case, variants) for description in s.passes)
     programs = dict.fromkeys(draw.shaders for each in passes for draw in each.draws)

@@ -268,7 +268,8 @@ def _unless_all(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
 
 
 def collect_words(records: Iterable[Record]) -> str:
-    """Return a case's page's words, without numbers and tables, each once and in small letters."""
+    """Return the words that a case's page shows, but for numbers and compilers' tables, each once
+    and in small letters."""
     texts: dict[str, None] = {}
     for record in records:
         texts.update(dict.fromkeys(_texts(record)))
