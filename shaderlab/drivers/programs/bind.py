@@ -70,7 +70,7 @@ def convert_value(variable: Variable, value: Any, what: str = "uniform") -> tupl
     """A value as the shader gets it, and as written, both of one shape; errors call it `what`.
 
     Shapes: a number (1,), a vector (n,), a matrix (rows, columns); arrays have one more axis in
-    front. Raises CaseError: `value` is not numeric, has another shape, or out of the type's range."""
+    front. Raises CaseError: `value` is not numeric, has another shape, or is out of range."""
     shape = shape_of(variable.type)
     if variable.array is not None:
         shape = (variable.array, *shape)
