@@ -23,6 +23,10 @@ from .interpreter.program import INPUTS
 from .interpreter.values import NUMBERS, number_invocations
 
 _RANGE = re.compile(r"//.*?\brange:\s*(unit\b|\S+\s*\.\.\s*\S+)")
+# RetroArch's: a name, what it is called, the default, the least and the greatest value.
+_PARAMETER = re.compile(
+    r'^[ \t]*#pragma parameter (\w+)\s+"[^"]*"\s+\S+\s+(-?[\d.]+)\s+(-?[\d.]+)', re.M
+)
 _DECLARED = re.compile(r"([A-Za-z_]\w*)\s*(?:\[[^]]*\]\s*)?(?:=[^;]*)?[;,]")
 _WHOLE = 2.0**31
 _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
@@ -92,9 +96,10 @@ def _elements(lengths: tuple[int, ...], name: str) -> Iterator[str]:
 
 
 def find_declared_ranges(program: Program) -> dict[str, str]:
-    """The `// range:` of each name declared in its line: "0..50", "unit"."""
-    found: dict[str, str] = {}
+    """The `// range:` of each name declared in its line: "0..50", "unit"; and that of a parameter
+    (`#pragma parameter`)."""
     text = "" if program.source is None else program.source.text
+    found = {name: f"{least}..{most}" for name, least, most in _PARAMETER.findall(text)}
     for line in text.splitlines():
         said = _RANGE.search(line)
         if said:

@@ -35,6 +35,7 @@ SECTION = re.compile(
     r"^[ \t]*#(?:[ \t]*(?:pragma[ \t]+stage|type|shader)[ \t]+|\[)(\w+)\]?[ \t]*$", re.M
 )
 """Where a stage begins in a file of several, as RetroArch, Hazel and Godot write it."""
+_SETTINGS = ("modes", "specializations", "versions")  # sections of Godot's that are no stages
 
 # A quoted include path may hold "//"; everything else that looks like a comment is one. Without
 # groups the search skips to the next quote or slash, which is several times as fast.
@@ -230,9 +231,8 @@ def section_of(row: str) -> str:
 def find_sections(texts: Iterable[str]) -> list[str]:
     """Return the stages that begin in these texts, each once."""
     marked = (strip_comments(text) for text in texts if SECTION.search(text))
-    return list(
-        dict.fromkeys(section_of(each[0]) for code in marked for each in SECTION.finditer(code))
-    )
+    found = (section_of(each[0]) for code in marked for each in SECTION.finditer(code))
+    return [stage for stage in dict.fromkeys(found) if stage not in _SETTINGS]
 
 
 _MAIN_IMAGE, _MAIN = (re.compile(rf"\bvoid\s+{name}\s*\(") for name in ("mainImage", "main"))

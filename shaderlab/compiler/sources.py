@@ -48,6 +48,7 @@ MAX_INCLUDES = 10_000
 
 _DIRECTIVE = re.compile(r"[ \t]*#[ \t]*(include|pragma|line|extension)\b[ \t]*(.*)")
 _ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension|type|shader)\b|#\[")
+_GODOT_DEFINES = "#VERSION_DEFINES"  # stands for the macros that the engine defines
 _VERSION_LINE = re.compile(r"[ \t]*#[ \t]*version\b")
 _ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*$", re.MULTILINE)
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
@@ -178,6 +179,8 @@ class Expansion:
             kind, rest = directive.groups() if directive else ("", "")
             line = _LINE.fullmatch(rest.strip()) if kind == "line" else None
             self._section = section_of(code) or self._section
+            hidden = self._section not in self._own_section
+            is_marker = section_of(code) or code.strip() == _GODOT_DEFINES
             if kind == "include":
                 inner = self._find_included(rest.strip(), (*trail, (file, number)))
                 self.append(inner, strip_comments(inner.text), (*trail, (file, number)))
@@ -187,7 +190,7 @@ class Expansion:
                 self._append_module(
                     name, path, dict(_GIVEN.findall(given)), (*trail, (file, number))
                 )
-            elif self._section not in self._own_section or section_of(code):
+            elif is_marker or (hidden and not rest.startswith("parameter")):
                 self.add(place, "")
             elif rest.split(":")[0].strip() in _NOT_FOR_COMPILERS:
                 self.add(place, "")  # drivers without the extension would refuse it

@@ -87,14 +87,24 @@ def test_words_of_other_languages_in_comments_are_no_other_language(tmp_path: Pa
 SEVERAL = {
     "pass.slang": """#version 450
         #include "common.h"
-        layout(set = 0, binding = 0, std140) uniform UBO { mat4 MVP; } global;
+        layout(set = 0, binding = 0, std140) uniform UBO { mat4 MVP; float level; } global;
         #include "stage.inc"
-        // #pragma stage geometry
+        #pragma parameter level "#pragma stage geometry" 0.5 0.25 2.0 0.05
         #pragma stage fragment
         #include "common.h"
         layout(location = 0) in vec2 uv;
         layout(location = 0) out vec4 c;
-        void main() { c = vec4(sqrt(half_of(uv.x))); }""",
+        void main() { c = vec4(sqrt(half_of(uv.x))) / global.level; }""",
+    "engine.glsl": """#version 450
+        #[versions]
+        plain = "";
+        #[vertex]
+        layout(location = 0) in vec2 at; layout(location = 0) out vec2 u; void main() { u = at;
+            gl_Position = vec4(at, 0.0, 1.0); }
+        #[fragment]
+        #VERSION_DEFINES
+        layout(location = 0) in vec2 u; layout(location = 0) out vec4 c; void main() { c = u.xxxx;
+            c = sqrt(c); }""",
     "quad.glsl": """#type vertex
         #version 450 core
         layout(location = 0) in vec2 at;
@@ -127,14 +137,16 @@ def test_a_file_of_several_stages_is_one_program(tmp_path: Path, name: str) -> N
     assert call("compile", file) == call("compile", tmp_path)
     status, said = call("compile", file)
     assert (status, said.count(" 1 ")) == (0, 3) and "warning" not in said, said
-    assert f"{name}:10: sqrt of a negative number" in call("audit", file)[1]
+    status, said = call("audit", file)
+    assert f"{name}:10: sqrt of a negative number" in said and "/ 0" not in said, said
+    assert ("UBO.level: 0.25..2 (declared)" in said) is ("level" in SEVERAL[name])
     assert call("audit", file, "--stage", "vertex")[0] == 0
     assert "c: same" in call("diff", file, file)[1]
     assert "gl_Position" in call("diff", file, file, "--stage", "vertex")[1]
     assert f"{name}:10" in call("explain", file)[1]
-    file.write_text(SEVERAL[name].replace("uv = at;", "uv = att;"))
+    file.write_text(SEVERAL[name].replace(" = at;", " = att;"))
     for part, text in PARTS.items():
-        (tmp_path / part).write_text(text.replace("uv = at;", "uv = att;"))
+        (tmp_path / part).write_text(text.replace(" = at;", " = att;"))
     line = "stage.inc:5" if "inc" in SEVERAL[name] else f"{name}:5"
     assert f"{line}: error: 'att' : undeclared" in call("compile", file)[1]
 
