@@ -16,8 +16,9 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from shaderlab.compiler.harness import WORK, compile_glsl
+from shaderlab.compiler.harness import WORK
 from shaderlab.workers.pool import WorkerPool
+from tests.compiling import compile_glsl
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bare import compile_all

@@ -14,9 +14,10 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from shaderlab.compiler.harness import WORK, compile_glsl
+from shaderlab.compiler.harness import WORK
 from shaderlab.model.options import Limits
 from shaderlab.workers.pool import WorkerPool
+from tests.compiling import compile_glsl
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from trees import storm
@@ -40,7 +41,7 @@ def main() -> int:
             names.append(name)
         start = time.perf_counter()
         with WorkerPool(WORK, limits=Limits(seconds=given.seconds), jobs=given.jobs) as pool:
-            results = compile_glsl([folder], seconds=given.seconds, workers=pool)
+            results = compile_glsl([folder], workers=pool)
             for name, result in zip(names, results, strict=False):
                 missing += Path(result.path).name != name or len(result.verdicts) != 3
                 status = next((v.status for v in result.verdicts if v.status), "")

@@ -163,6 +163,7 @@ class Audit:
         refused: why nothing can be said of it, if so.
         spreads: how far devices may differ at each output, if that was measured.
         claims: what holds for all inputs of the ranges, or is open, if that was asked.
+        notes: what was taken for what the file lacks.
     """
 
     file: str
@@ -172,6 +173,7 @@ class Audit:
     refused: str = ""
     spreads: tuple[Spread, ...] = ()
     claims: tuple[Claim, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def clean(self) -> bool | None:
@@ -188,7 +190,7 @@ class Audit:
         if self.refused:
             yield f"undetermined: {self.refused}"
             return
-        yield from map(str, self.spreads)
+        yield from (*self.notes, *map(str, self.spreads))
         evident = [hazard for hazard in self.hazards if hazard.evident]
         yield from map(str, self.hazards if possible or self.claims else evident)
         yield from map(str, self.claims)
@@ -209,7 +211,7 @@ class Audit:
             "hazards": [hazard.data() for hazard in self.hazards],
             "tried": self.tried, "inputs": dict(self.inputs), "refused": self.refused,
             "spreads": [spread.data() for spread in self.spreads],
-            "claims": [vars(claim) for claim in self.claims],
+            "claims": [vars(claim) for claim in self.claims], "notes": list(self.notes),
         }  # fmt: skip
 
 

@@ -32,10 +32,13 @@ class ShaderOfFile:
     file: ShaderFile
     include: Sequence[str] = ()
 
+    @property
+    def folders(self) -> list[Path]:
+        return [Path(folder) for folder in dict.fromkeys([self.file.root, *self.include])]
+
     def source(self, stage: str | None) -> Source:
         """Its text with includes expanded. Raises ShaderError."""
-        folders = dict.fromkeys([self.file.root, *self.include])
-        return Shaders([Path(folder) for folder in folders]).load(self.file.name, stage)
+        return Shaders(self.folders).load(self.file.name, stage)
 
     def program(
         self, worker: BareWorker, stage: str | None, conditions: Sequence[str] = ()

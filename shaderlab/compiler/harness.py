@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from shaderlab.errors import Diagnostic, DriverError, ShaderError, Verdict, suggest
+from shaderlab.errors import Diagnostic, DriverError, ShaderError, Verdict
 from shaderlab.workers.pool import WorkerPool
 
 from .dialects import raise_version
-from .glslang import ALL_TARGETS, TARGETS
-from .shader_files import EXTENSIONS, STAGES, ShaderFile, find_shaders, is_library, stage_of
+from .glslang import TARGETS
+from .shader_files import EXTENSIONS, ShaderFile, is_library, stage_of
 from .sources import Shaders, Source
 
 WORK = "shaderlab.compiler.harness:Work"
@@ -36,16 +36,6 @@ class CompileOptions:
     stage: str | None = None
     driver: str = ""
     driver_name: str = ""
-    keep: bool = False
-
-    def __post_init__(self) -> None:
-        for what, words, known in (
-            ("compile target", self.targets, ALL_TARGETS),
-            ("stage", filter(None, [self.stage]), STAGES),
-        ):
-            for word in words:
-                if word not in known:
-                    raise ShaderError(f"no such {what}: {word!r}", remedy=suggest(word, known))
 
 
 @dataclass(frozen=True)
@@ -65,14 +55,12 @@ class FileResult:
     """Every target's verdict on one file, or on the files of one program.
 
     The path is as it was named, the stage one of `STAGES` or "" if unknown; those of a program's
-    files are joined by " + ". The driver's verdict follows the targets'. `spirv` are each target's
-    modules by stage, if they were requested.
+    files are joined by " + ". The driver's verdict follows the targets'.
     """
 
     path: str
     stage: str
     verdicts: tuple[Verdict, ...]
-    spirv: Mapping[str, Mapping[str, bytes]] = field(default_factory=dict)
 
     @property
     def ok(self) -> bool:
@@ -80,34 +68,14 @@ class FileResult:
         return all(verdict.ok for verdict in self.verdicts)
 
 
-def compile_glsl(
-    paths: Sequence[str | Path],
-    *,
-    link: bool = False,
-    workers: WorkerPool | None = None,
-    **options: Any,
-) -> Iterator[FileResult]:
-    """Compile shader files and yield one result for each, sorted by path.
-
-    Args:
-        paths: files, and folders to search; see `find_shaders`.
-        link: whether the files are the stages of one program.
-        workers: processes to compile in, so that a file that crashes a compiler, hangs it or fills
-            the memory does not affect the others. By default this process compiles.
-
-    Raises UsageError: a path does not exist, or a folder holds no shader; ShaderError: unknown
-    target or stage, or no compiler is installed. What is wrong with a file is in its result."""
-    how = CompileOptions(**options)
-    shaders = find_shaders(paths, [Path(folder) for folder in how.include], stage=how.stage)
-    return compile_files([shaders] if link else [[one] for one in shaders], how, workers)
-
-
 def compile_files(
     programs: Iterable[Sequence[ShaderFile]],
     options: CompileOptions,
     workers: WorkerPool | None = None,
 ) -> Iterator[FileResult]:
-    """As `compile_glsl`, for files that `find_shaders` found; each sequence is one program."""
+    """Compile programs, each of the files of its stages, and yield the results in their order:
+    here, or in processes, where a file that crashes a compiler, hangs it or fills the memory does
+    not affect the others. What is wrong with a file is in its result."""
     jobs = (CompileJob(files, options) for files in programs)
     if workers is None:
         yield from map(Work(), jobs)
@@ -204,5 +172,4 @@ def _compile(job: CompileJob, stages: Sequence[Source]) -> FileResult:
         path=job.path,
         stage=" + ".join(source.stage for source in compiled.sources),
         verdicts=verdicts,
-        spirv=compiled.spirv if job.options.keep else {},
     )

@@ -235,7 +235,7 @@ def find_sections(texts: Iterable[str]) -> list[str]:
     return [stage for stage in dict.fromkeys(found) if stage not in _SETTINGS]
 
 
-_MAIN_IMAGE, _MAIN = (re.compile(rf"\bvoid\s+{name}\s*\(") for name in ("mainImage", "main"))
+_MAIN_IMAGE, MAIN = (re.compile(rf"\bvoid\s+{name}\s*\(") for name in ("mainImage", "main"))
 _DESKTOP = re.compile(
     r"\bgl_(?!Position\b|PointSize\b|DepthRange\b|Max)|\bftransform\b|\btexture[13]D|\bmat\dx"
 )
@@ -247,6 +247,21 @@ SHADERTOY_INPUTS: Mapping[str, tuple[str, tuple[int, ...]]] = {
     "iSampleRate": ("float", ()), **{f"iChannel{n}": ("sampler2D", ()) for n in range(4)},
 }  # fmt: skip
 """Type and array size of each uniform that shadertoy.com declares ("How To", Shader Inputs)."""
+_VIEWER_INPUTS = (
+    "int frame; float time delta cameraNearClip cameraFarClip cameraDistance lightIntensity;"
+    "vec2 resolution mouse; vec3 camera light lightColor SH; vec4 date; mat3 normalMatrix;"
+    "mat4 modelMatrix viewMatrix inverseViewMatrix projectionMatrix inverseProjectionMatrix "
+    "modelViewProjectionMatrix lightMatrix; samplerCube cubeMap; sampler2D scene sceneDepth "
+    "lightShadowMap tex0 tex1 tex2 tex3 tex4 tex5 tex6 tex7 tex8 tex9 buffer0 buffer1 buffer2 "
+    "buffer3 doubleBuffer0 doubleBuffer1 doubleBuffer2 doubleBuffer3"
+)
+HOST_INPUTS: Mapping[str, tuple[str, tuple[int, ...]]] = {
+    f"u_{word}": (kind, (9,) if word == "SH" else ())
+    for kind, *words in map(str.split, _VIEWER_INPUTS.split(";"))
+    for word in words
+} | dict(SHADERTOY_INPUTS)
+"""Those and the ones of glslViewer (its wiki, "GlslViewer UNIFORMS", and "Native Uniforms" of
+glsl-pipeline), three of which The Book of Shaders has."""
 
 
 def frame_text(code: str, stage: str) -> tuple[Sequence[str], Sequence[str]]:
@@ -271,7 +286,7 @@ def frame_text(code: str, stage: str) -> tuple[Sequence[str], Sequence[str]]:
 
 
 def _is_shadertoy(code: str) -> bool:
-    return _MAIN_IMAGE.search(code) is not None and _MAIN.search(code) is None
+    return _MAIN_IMAGE.search(code) is not None and MAIN.search(code) is None
 
 
 def is_embedded(version: int, profile: str) -> bool:
@@ -556,5 +571,5 @@ def is_library(file: str | Path) -> bool:
         code = strip_comments(read_shader(file))
     except ShaderError:
         return False
-    words = [_PRAGMA, _MAIN, _MAIN_IMAGE, *[_INCLUDED, _VERSION] * (suffix in EXTENSIONS)]
+    words = [_PRAGMA, MAIN, _MAIN_IMAGE, *[_INCLUDED, _VERSION] * (suffix in EXTENSIONS)]
     return not any(word.search(code) for word in words)

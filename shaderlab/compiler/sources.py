@@ -7,7 +7,6 @@ an inactive `#if` is expanded as well (its text is then skipped like any other).
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import itertools
 import os
@@ -22,7 +21,6 @@ from shaderlab.errors import Diagnostic, Severity, ShaderError, suggest
 from shaderlab.files import display_path
 
 from .shader_files import (
-    MOST_FILES,
     OUTSIDE_REMEDY,
     SCRIPT,
     STAGES,
@@ -62,7 +60,6 @@ _DEFINED = re.compile(
 _LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
 _ONE_COMMENT = re.compile(r"//[^\n]*|/\*.*?(?:\*/|\Z)", re.DOTALL)
 _CONTINUED = re.compile(r"\\$", re.MULTILINE)
-_LACKED = re.compile(r"(\w+)(?:' : (?:undeclared|no matching)|, which nothing defines)")
 _NOT_FOR_COMPILERS = (
     "GL_GOOGLE_include_directive", "GL_ARB_shading_language_include", "glslify",
     "GL_EXT_draw_buffers", "once",
@@ -365,27 +362,6 @@ def with_version(source: Source) -> Source:
     lines = LineMap(((source.path, 1, 1), *source.lines.spans))
     text = f"#version {version} core\n{source.text}"
     return replace(source, text=text, lines=lines, stripped=None)
-
-
-def find_definers(message: str, source: Source, folders: Sequence[Path]) -> str | None:
-    """Return a remedy for a message about a name that a source lacks: the files in shader folders
-    that define it. None where it lacks nothing, or nothing there defines it."""
-    lacked = _LACKED.search(message)
-    if lacked is None:
-        return None
-    name = lacked[1]
-    defines = re.compile(
-        rf"^[ \t]*(?:(?:#[ \t]*define|struct|(?:const|uniform)\b[^;=()]*)[ \t]+{name}\b"
-        rf"|(?!return\b|else\b)\w[\w \t]*[ \t]{name}[ \t]*\([^;]*\{{)", re.M
-    )  # fmt: skip
-    if defines.search(source.code):
-        return None
-    roots, found = Roots(folders, {}), []
-    for known in roots.names(MOST_FILES):
-        with contextlib.suppress(ShaderError, OutsideError):
-            if (file := roots.find(known)) and defines.search(strip_comments(file.text)):
-                found.append(known)
-    return f"{name} is defined in {' or '.join(found[:3])}: include it first" if found else None
 
 
 class Shaders(Roots):

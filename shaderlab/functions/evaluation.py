@@ -186,6 +186,26 @@ class Preprocess:
 
 
 @dataclass(frozen=True)
+class Refusal:
+    """Asks why one of a file's functions does not compile; "" if it does."""
+
+    source: Source
+    signature: Signature
+
+    def perform(self, worker: BareWorker) -> str:
+        worker.note(f"compiling {self.signature.name}")
+        inputs = (*self.signature.given, *self.signature.globals)
+        opaque = tuple(one for one in inputs if one.type.opaque)
+        numbers = tuple(one for one in inputs if not one.type.opaque)
+        ((kernel, _), *_) = build_passes(self.source, Kernel(self.signature, (), numbers, opaque))
+        try:
+            cached_compiler()((kernel,), ("glsl",)).require()
+        except ShaderError as error:
+            return error.message
+        return ""
+
+
+@dataclass(frozen=True)
 class Evaluate:
     """Asks for an evaluation's results, (words, height, width), of inputs (words, height, width).
     A version of GLSL that is later than the driver's becomes that."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import itertools
 import re
 import tempfile
@@ -22,7 +21,7 @@ from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.analysis.requests import ShaderOfFile, assume
 from shaderlab.compiler.dialects import raise_version
 from shaderlab.compiler.shader_files import OWN
-from shaderlab.compiler.sources import LineMap, Source, find_definers
+from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.compiler.translation import find_compiler
 from shaderlab.engine.jobs import BareWorker
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
@@ -34,6 +33,7 @@ from shaderlab.functions.evaluation import (
     has_version,
     local_name,
 )
+from shaderlab.functions.lacking import Definers, complete
 from shaderlab.functions.signatures import (
     PREFIX,
     Signature,
@@ -165,10 +165,9 @@ Plan = TypeVar("Plan", AuditPlan, ComparisonPlan)
 
 def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -> list[Audit]:
     """The `Audit` of a file's functions as one, and one of each that is refused."""
-    found, refused, written = [], [], shader.source("fragment")
-    folders = [Path(shader.file.root), *map(Path, shader.include)]
-    remedy = functools.cache(lambda message: find_definers(message, written, folders))
-    functions = find_entry_points(written, worker)
+    found, refused = [], []
+    functions, told = _find_whole(shader, worker)
+    definers = Definers(shader.folders)
     _check_ranges(plan.ranges, functions)
     for signature, source in functions:
         name = signature.name
@@ -184,7 +183,7 @@ def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -
         except ShaderlabError as error:
             if "nothing defines" in signature.obstacle:  # which is a syntax error to compilers
                 error.message = signature.obstacle
-            error.remedy = error.remedy or remedy(error.message)
+            definers.explain(error, source, signature.lacks)
             why = f"{shader.file.path}: {name}: {error}"
             refused.append(Audit(file=shader.file.path, hazards=(), tried=0, refused=why))
             continue
@@ -192,7 +191,20 @@ def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -
         spreads = tuple(replace(s, output=f"{name}: {s.output}") for s in audit.spreads)
         claims = tuple(replace(c, what=f"{c.what} in {name}") for c in audit.claims)
         found.append(replace(audit, inputs=inputs, spreads=spreads, claims=claims))
-    return [*_merge_audits(shader.file.path, found), *refused]
+    merged = _merge_audits(shader.file.path, found)
+    return [*(replace(audit, notes=tuple(told)) for audit in merged), *refused]
+
+
+def _find_whole(
+    shader: ShaderOfFile, worker: BareWorker, like: Sequence[EntryPoint] = ()
+) -> tuple[list[EntryPoint], list[str]]:
+    """The functions of a file with what it lacks, and what was taken for that, in words."""
+    written = shader.source("fragment")
+    functions, told = find_entry_points(written, worker, like), list[str]()
+    if any(signature.lacks for signature, _ in functions):
+        found, told = complete(written, shader.folders, lambda request: request.perform(worker))
+        functions = find_entry_points(found.written, worker, like) if told else functions
+    return functions, [f"{shader.file.path} {note}" for note in told]
 
 
 def compare_functions(
@@ -200,18 +212,19 @@ def compare_functions(
 ) -> list[Answer]:
     """The `Answer` on the functions of two files, each an output of it."""
     ours, others = (new, old) if old.is_module else (old, new)
-    functions = find_entry_points(ours.source("fragment"), worker)
+    functions, notes = _find_whole(ours, worker)
     ported = Path(others.file.path)
     ported_text = ported.read_text(errors="replace") if others.is_module else ""
     if ported_text:
         find_compiler(ported, "name two shaders in GLSL")
-    text = None if ported_text else others.source("fragment")
-    theirs = [] if text is None else find_entry_points(text, worker, functions)
+    theirs = list[EntryPoint]()
+    if not ported_text:
+        theirs, told = _find_whole(others, worker, functions)
+        notes += told
     _check_ranges(plan.ranges, [*functions, *theirs])
     left = {_key(signature): (signature, source) for signature, source in theirs}
     outputs: list[OutputAnswer] = []
     inputs: dict[str, str] = {}
-    notes: list[str] = []
     for signature, source in functions:
         name, other = signature.name, left.pop(_key(signature), None)
         # A text without a brace only includes others, which its compiler reads.

@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 import re
 import sys
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 from shaderlab.compiler.shader_files import EXTENSIONS
-from shaderlab.compiler.sources import Shaders, Source, find_definers, with_version
+from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.engine.judging.laws import Law
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import (
@@ -30,14 +31,9 @@ from shaderlab.files import display_path
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, find_ranges
 from shaderlab.functions.checks import CallLaw
-from shaderlab.functions.evaluation import Preprocess, evaluate, get_caller, keeping
-from shaderlab.functions.signatures import (
-    Declarations,
-    Signature,
-    find_names_to_give,
-    find_signatures,
-    read_declarations,
-)
+from shaderlab.functions.evaluation import evaluate, get_caller, keeping
+from shaderlab.functions.lacking import Contents, Definers, complete
+from shaderlab.functions.signatures import Signature, find_names_to_give
 from shaderlab.model.checked import check_arguments
 from shaderlab.model.records import Curve, Outcome, ProgramRecord, Record, SourceText, Status
 
@@ -310,8 +306,9 @@ class Function:
         """The error without the way that it took through the lab, which is no matter of a test's;
         about what the file lacks, with the files that have it."""
         if error.remedy is None:
+            lacks = frozenset[str]().union(*(one.lacks for one in self.signatures))
             folders = _shader_folders(Path(self.folder))
-            error.remedy = find_definers(error.message, self.source, folders)
+            Definers(folders).explain(error, self.source, lacks)
         traceback = error.__traceback__ if os.environ.get("SHADERLAB_DEBUG") else None
         return error.with_traceback(traceback)
 
@@ -360,7 +357,7 @@ class Library:
         self._source = source if (known := _LOADS.get()) is None else known.take(source)
         self._folder = folder
         self._given = dict(given)
-        names = set(find_names_to_give(self._declarations)) if given else set()
+        names = set(find_names_to_give(self._contents.declared)) if given else set()
         for name in given:
             if name not in names:
                 raise ArgumentsError(
@@ -402,22 +399,22 @@ class Library:
     def __repr__(self) -> str:
         return f"<{self._source.path}: {', '.join(self._functions)}>"
 
-    @cached_property
+    @property
     def _read(self) -> Source:
-        return with_version(self._source)
+        return self._contents.read
+
+    @property
+    def _functions(self) -> Mapping[str, Sequence[Signature]]:
+        return self._contents.functions
 
     @cached_property
-    def _functions(self) -> dict[str, list[Signature]]:
-        return find_signatures(self._declarations)
-
-    @cached_property
-    def _declarations(self) -> Declarations:
-        text = get_caller().perform(Preprocess(self._read), f"preprocessing {self._read.path}")
-        try:
-            return read_declarations(text)
-        except ShaderError as error:
-            file, line = self._read.place(error.line or 1)
-            raise ShaderError(error.message, file=file, line=line) from None
+    def _contents(self) -> Contents:
+        """What the file has, with what it lacks."""
+        ask = partial(get_caller().perform, what=f"reading {self._source.path}")
+        found, told = complete(self._source, _shader_folders(Path(self._folder)), ask)
+        for note in told:
+            warnings.warn(f"{display_path(self._source.path)} {note}", stacklevel=4)
+        return found
 
 
 def _folders(calling: Mapping[str, Any]) -> list[Path]:

@@ -23,6 +23,7 @@ from shaderlab.analysis.requests import AuditFile
 from shaderlab.analysis.undefined import outputs_at
 from shaderlab.bands import Band
 from shaderlab.bands.exact import DECIDING
+from shaderlab.compiler.shader_files import MAIN
 from shaderlab.compiler.spirv import StorageClass, type_name
 from shaderlab.engine.judging.laws import Bounded, Law, Monotone, fit_shape
 from shaderlab.errors import CallError, FormulaError, ShaderlabError
@@ -37,7 +38,6 @@ from shaderlab.model.records import Outcome, SourceText
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
 
-_MAIN = re.compile(r"\bvoid\s+main\s*\(")
 _BOXES = 1024  # of a test, which is called for each
 _STEPS = 64  # of the range of an argument
 _NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
@@ -214,7 +214,7 @@ def run_on_driver(
         raise CallError("it depends on more than its inputs")
     parameters = ", ".join(f"out {kind} {PREFIX}{name}" for name, kind in outputs.items())
     body = " ".join(f"{PREFIX}{name} = {name};" for name in outputs)
-    text = _MAIN.sub(f"void {PREFIX}main(", source.text)
+    text = MAIN.sub(f"void {PREFIX}main(", source.text)
     text += f"\nvoid {PREFIX}run({parameters}) {{ {PREFIX}main(); {body} }}\n"
     function = Library(replace(source, text=text, stripped=None), "", {})[f"{PREFIX}run"]
     given = function.signatures[0].globals

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from shaderlab import glslmath
 from shaderlab.compiler.dialects import CALLS, keep_own_names
-from shaderlab.compiler.shader_files import SHADERTOY_INPUTS
+from shaderlab.compiler.shader_files import HOST_INPUTS
 from shaderlab.compiler.syntax import (
     Declarator,
     GlslDeclaration,
@@ -23,6 +24,7 @@ from shaderlab.compiler.syntax import (
     TypeSpecifier,
     check_brackets,
 )
+from shaderlab.glslmath import sampling
 
 _BASIC = re.compile(
     r"(?P<scalar>float|int|uint|bool)|(?P<kind>[iub]?)vec(?P<size>[234])"
@@ -113,6 +115,10 @@ class Declarations:
     all: tuple[GlslDeclaration, ...]
     constants: Mapping[str, int]
 
+    @cached_property
+    def names(self) -> frozenset[str]:
+        return frozenset(name for one in self.all for name in one.declares)
+
     def needed_by(self, function: GlslDeclaration) -> list[GlslDeclaration]:
         """What a function needs, itself included, in order."""
         by_name: dict[str, list[GlslDeclaration]] = {}
@@ -198,6 +204,15 @@ _OTHER_STAGES = frozenset({
     "gl_in", "gl_out", "gl_InvocationID", "gl_TessCoord",
 })  # fmt: skip
 _GL = re.compile(rf"\bgl_({'|'.join(n[3:] for n in (*_STAGE_INPUTS, *_STAGE_OUTPUTS))})\b")
+# GLSL's own words; what is not among them is compiled before it counts as unknown.
+_FUNCTIONS = frozenset((*dir(glslmath), *dir(sampling))) - {"array", "mul", "swizzle", "where"}
+_WORDS = re.compile(
+    rf"{_BASIC.pattern}|gl_\w+|void|true|false|not|if|else|for|while|do|switch|case|default|break"
+    r"|continue|return|discard|const|in|out|inout|uniform|attribute|varying|buffer|shared|struct|flat"
+    r"|smooth|noperspective|centroid|sample|patch|invariant|precise|precision|(?:high|medium|low)p"
+    r"|coherent|volatile|restrict|readonly|writeonly|layout|location|binding|std[14][34]0|double"
+    r"|matrixCompMult|d(?:mat|vec)\w+|[iu]?(?:sampler|image)\w*|texture(?:[123]D|Cube)\w*"
+)
 # The samplers that the lab has textures for.
 _TEXTURED = re.compile(r"[iu]?sampler(?:2D|2DArray|Cube)|sampler(?:2D|2DArray|Cube)Shadow")
 
@@ -228,6 +243,7 @@ class Signature:
         line: of the definition in that text, counted from 1.
         state: variables of the file that a call may change, with their initialisers.
         obstacle: why it can't be called; "" if it can.
+        lacks: the names in the text that nothing declares.
     """
 
     name: str
@@ -241,6 +257,7 @@ class Signature:
     discards: bool
     extensions: tuple[str, ...]
     obstacle: str = ""
+    lacks: frozenset[str] = frozenset()
 
     @property
     def given(self) -> tuple[Input, ...]:
@@ -274,7 +291,7 @@ def find_names_to_give(found: Declarations) -> Iterator[str]:
     """Yield the names of all globals that functions of a file may read and callers give."""
     yield from (one.name for one in _variables_to_give(list(found.all)))
     yield from _STAGE_INPUTS
-    yield from SHADERTOY_INPUTS
+    yield from HOST_INPUTS
 
 
 def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
@@ -321,6 +338,11 @@ def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
         discards="discard" in used,
         extensions=found.extensions,
         obstacle="; ".join(dict.fromkeys(obstacles)),
+        lacks=frozenset(
+            name
+            for name in used - built_in.keys() - found.names - _FUNCTIONS
+            if not _WORDS.fullmatch(name)
+        ),
     )
 
 
@@ -330,11 +352,10 @@ def _direction(parameter: Declarator) -> Direction:
 
 
 def _find_built_in_inputs(found: Declarations, used: frozenset[str]) -> dict[str, Type]:
-    """What a function reads of other stages, and of Shadertoy unless the file declares it."""
-    declared = {name for one in found.all for name in one.declares}
+    """What a function reads of other stages, and of viewers unless the file declares it."""
     inputs = {n: Type(t) for n, t in _STAGE_INPUTS.items() if n in used}
-    toys = {n: Type(*kind) for n, kind in SHADERTOY_INPUTS.items() if n in used}
-    return inputs | {name: kind for name, kind in toys.items() if name not in declared}
+    hosts = HOST_INPUTS.keys() & used - found.names
+    return inputs | {n: Type(*kind) for n, kind in HOST_INPUTS.items() if n in hosts}
 
 
 def _obstacles(

@@ -14,12 +14,13 @@ from shaderlab.cli import cli
 from shaderlab.compiler import Shaders
 from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.diagnostics import mark_disagreement, parse_driver_log
-from shaderlab.compiler.harness import WORK, compile_glsl
+from shaderlab.compiler.harness import WORK
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.opengl.backend import OpenGLBackend
 from shaderlab.drivers.opengl.device import GL, Device
 from shaderlab.errors import DriverError
 from shaderlab.workers.pool import WorkerPool
+from tests.compiling import compile_glsl
 
 VERTEX = (
     "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; gl_Position = a.xyzz; }\n"

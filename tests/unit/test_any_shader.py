@@ -330,38 +330,121 @@ def test_functions_of_a_later_stage_are_read_without_a_version(tmp_path: Path, s
     assert glsl.load(file).half_of(3.0) == 1.5
 
 
-def test_what_a_file_lacks_is_looked_for_in_its_library(tmp_path: Path) -> None:
-    texts = {
-        "pyproject.toml": '[tool.shaderlab]\nshaders = ["."]\n',
-        "math/const.glsl": "#define TAU 6.28\n",
-        "math/types.glsl": "struct Ray { vec3 at; vec3 along; };\n",
-        "math/half.glsl": "float half_of(float x)\n{\n    return 0.5 * x;\n}\n",
-        "turn.glsl": "float turn(float x) { return half_of(x) * TAU; }\n",
-        "ray.glsl": "float along(Ray ray) { return ray.along.x; }\n",
-        "own.glsl": "float own(float x) { return x; }\nfloat two(float x) { return own(x, x); }\n",
-    }
-    for name, text in texts.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
-    with pytest.raises(CallError, match=r"Ray is defined in math/types.glsl: include it first"):
-        glsl.load(tmp_path / "ray.glsl").along(1.0)
+LIBRARY = {
+    "pyproject.toml": '[tool.shaderlab]\nshaders = ["."]\n',
+    "math/const.glsl": "#ifndef TAU\n#define TAU 6.25\n#endif\n",
+    "math/types.glsl": "struct Ray { vec3 at; vec3 along; };\n",
+    "math/half.glsl": "float half_of(float x)\n{\n    return 0.5 * x;\n}\n",
+    "turn.glsl": """float turn(float x) {
+        return half_of(x) * TAU; }
+        float own(float x) { return x; }""",
+    "ray.glsl": "float along(Ray ray) { return ray.along.x; }\n",
+}
+
+
+def write(folder: Path, **texts: str) -> Path:
+    """A library with some other texts, by the names of .glsl files."""
+    for name, text in {**LIBRARY, **{f"{name}.glsl": text for name, text in texts.items()}}.items():
+        (folder / name).parent.mkdir(exist_ok=True, parents=True)
+        (folder / name).write_text(text)
+    return folder
+
+
+def test_what_a_file_lacks_comes_from_its_library(tmp_path: Path) -> None:
+    write(tmp_path)
+    turn = glsl.load(tmp_path / "turn.glsl")
+    with pytest.warns(UserWarning) as told:
+        assert turn.turn(2.0) == 6.25
+    said = "; ".join(str(one.message) for one in told)
+    assert "turn.glsl lacks half_of: math/half.glsl, which defines it, is included" in said
+    assert "turn.glsl lacks TAU: math/const.glsl" in said
+    assert turn.turn.place == (str(tmp_path / "turn.glsl"), 1) and turn.own.place[1] == 3
+    with pytest.warns(UserWarning, match="ray.glsl lacks Ray: math/types.glsl"):
+        ray = {"at": np.zeros(3), "along": np.ones(3)}
+        assert glsl.load(tmp_path / "ray.glsl").along(ray) == 1.0
+    for name, function in (("turn", "turn: x"), ("ray", "along: ray_along")):
+        status, said = call("audit", tmp_path / f"{name}.glsl", "--inputs")
+        assert status == 0 and f"{name}.glsl lacks" in said and function in said
+    (tmp_path / "new.glsl").write_text(LIBRARY["turn.glsl"].replace("half_of(x) * TAU", "x * 3.0"))
+    status, said = call("diff", tmp_path / "turn.glsl", tmp_path / "new.glsl")
+    assert status == 1 and "turn.glsl lacks TAU" in said and "turn: different" in said
+
+
+def test_what_a_file_lacks_is_not_guessed(tmp_path: Path) -> None:
+    write(tmp_path, turn=LIBRARY["turn.glsl"].replace("half_of(x)", "0.5 * x"))
+    path, other = tmp_path / "turn.glsl", tmp_path / "math/more.glsl"
+    other.write_text("#define TAU 6.28318\n")
+    with pytest.raises(ShaderError, match=r"math/const.glsl or math/more.glsl: include it first"):
+        glsl.load(path).turn(1.0)
+    assert glsl.load(path).own(1.0) == 1.0
+    status, said = call("audit", path)
+    assert status == 2 and "TAU is defined in" in said and "more.glsl: include it first" in said
+    other.write_text("// a copy\n#define TAU   6.25\n")
+    with pytest.warns(UserWarning, match="lacks TAU"):
+        assert glsl.load(path).turn(2.0) == 6.25
+    other.write_text("")
+    (tmp_path / "math/const.glsl").write_text("#define TAU 6.25\nvoid main() {}\n")
+    with pytest.raises(ShaderError, match=r"TAU is defined in math/const.glsl: include it first"):
+        glsl.load(path).turn(1.0)
+
+
+def test_a_function_that_compiles_keeps_its_text(tmp_path: Path) -> None:
+    own = "float own(float x) {\n#ifdef TAU\n  return TAU;\n#endif\n  return x; }\n"
+    write(tmp_path, own=f"{own}float turn(float x) {{ return x * TAU; }}\n")
+    library = glsl.load(tmp_path / "own.glsl")
+    assert library.own(2.0) == 2.0
+    with pytest.raises(ShaderError, match=r"TAU is defined in math/const.glsl"):
+        library.turn(1.0)
+    over = "float own(int x) { return 1.0; }\n#define LACKED 2.0\n"
+    write(tmp_path, more=over, own="float own(float x) { return x; }\nfloat f() { return LACKED; }")
+    assert glsl.load(tmp_path / "own.glsl").own(3) == 3.0
+
+
+def test_who_has_to_define_what_a_file_leaves_to_its_user_is_said(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        march="float map(vec3 p);\nfloat march(vec3 p) { return 2.0 * map(p); }\n",
+        size="float first(float a[SIZE]) { return a[0]; }\nfloat wide() { return float(WIDTH); }\n",
+        lamp="#ifdef LIT\nfloat lamp() { return 1.0; }\n#endif\nfloat f() { return lamp(); }\n",
+        own="float own(float x) { return x; }\nfloat two(float x) { return own(x, x); }\n",
+    )
+    with pytest.raises(ShaderError, match="map is declared, but has no body here") as refused:
+        glsl.load(tmp_path / "march.glsl").march(np.ones(3))
+    assert refused.value.remedy is not None and "text for glsl.load" in refused.value.remedy
+    with pytest.raises(CallError, match="define SIZE first"):
+        glsl.load(tmp_path / "size.glsl").first([1.0])
+    with pytest.raises(ShaderError, match="define WIDTH first"):
+        glsl.load(tmp_path / "size.glsl").wide()
+    with pytest.raises(ShaderError, match=r"an #if leaves out lamp at .*lamp.glsl:2"):
+        glsl.load(tmp_path / "lamp.glsl").f()
+    assert glsl.load(tmp_path / "lamp.glsl", defines={"LIT": ""}).f() == 1.0
     with pytest.raises(ShaderError) as refused:
         glsl.load(tmp_path / "own.glsl").two(1.0)
     assert refused.value.remedy is None
-    text = f'#include "math/const.glsl"\n#include "turn.glsl"\n{texts["math/half.glsl"]}'
-    (tmp_path / "whole.glsl").write_text(text.replace("half_of(float x)\n{", "quarter(float x) {"))
-    with pytest.raises(
-        ShaderError, match=r"half_of is defined in math/half.glsl: include it first"
-    ):
-        glsl.load(tmp_path / "whole.glsl").turn(1.0)
-    (tmp_path / "math/more.glsl").write_text("#define TAU 6.28318\n")
-    (tmp_path / "turn.glsl").write_text("float turn(float x) { return x * TAU; }\n")
-    with pytest.raises(ShaderError, match=r"math/const.glsl or math/more.glsl: include it first"):
-        glsl.load(tmp_path / "turn.glsl").turn(1.0)
-    status, said = call("audit", tmp_path / "turn.glsl")
-    assert status == 2 and "TAU is defined in" in said and "more.glsl: include it first" in said
-    said = call("audit", tmp_path / "ray.glsl")[1]
-    assert "ray is a Ray, which nothing defines" in said and "math/types.glsl" in said
+
+
+def test_a_text_defines_what_a_file_leaves_to_its_user(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    write(tmp_path, march="float map(vec3 p);\nfloat march(vec3 p) { return 2.0 * map(p); }\n")
+    monkeypatch.chdir(tmp_path)
+    text = '#include "march.glsl"\nfloat map(vec3 p) { return length(p); }\n'
+    assert glsl.load(text).march([3.0, 0.0, 4.0]) == 10.0
+
+
+def test_uniforms_of_viewers_need_no_declaration(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        seen="""vec2 seen(vec2 p) { return (u_projectionMatrix * vec4(p, u_time, 1.0)).xy; }
+            vec4 at(vec2 p) { return texture2D(u_tex0, p); }""",
+        own="uniform float u_time; float own() { return u_time; }",
+    )
+    seen = glsl.load(tmp_path / "seen.glsl", u_time=1.0)
+    assert seen.seen([1.0, 2.0], u_projectionMatrix=3.0 * np.eye(4)).tolist() == [3.0, 6.0]
+    assert seen.at([0.5, 0.5], u_tex0=np.full((2, 2, 4), 0.25, np.float32)).tolist() == [0.25] * 4
+    assert glsl.load(tmp_path / "own.glsl").own(u_time=0.5) == 0.5
+    with pytest.raises(CallError, match="u_time, which is not given"):
+        glsl.load(tmp_path / "seen.glsl").seen([1.0, 2.0], u_projectionMatrix=np.eye(4))
 
 
 def test_a_text_may_only_include(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

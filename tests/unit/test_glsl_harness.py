@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 
 from shaderlab.compiler import shader_files
-from shaderlab.compiler.harness import WORK, FileResult, compile_glsl
+from shaderlab.compiler.harness import WORK, FileResult
 from shaderlab.compiler.shader_files import Roots, find_shaders
 from shaderlab.errors import ShaderError, UsageError
 from shaderlab.workers.pool import WorkerPool
+from tests.compiling import compile_glsl
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = GOOD.replace("1.0", "nothing")
@@ -61,11 +62,10 @@ def test_a_folder_is_searched_and_the_results_are_sorted(tree: Path) -> None:
 
 
 def test_a_pool_gives_the_same_results_as_this_process(tree: Path) -> None:
-    here = list(compile_glsl([tree], keep=True))
+    here = list(compile_glsl([tree]))
     with WorkerPool(WORK, jobs=2) as pool:
-        there = list(compile_glsl([tree], keep=True, workers=pool))
+        there = list(compile_glsl([tree], workers=pool))
     assert here == there
-    assert there[0].spirv["vulkan"]["vertex"][:4] == b"\x03\x02\x23\x07"
 
 
 def test_counts_and_the_validators_verdict_are_in_the_result(tree: Path) -> None:
@@ -75,15 +75,13 @@ def test_counts_and_the_validators_verdict_are_in_the_result(tree: Path) -> None
     assert [v.instructions > 10 for v in verdicts] == [False, True, True]
     # An instruction has at least one word of four bytes, the header five.
     assert all(v.spirv_bytes >= 20 + 4 * v.instructions for v in verdicts[1:])
-    assert compile_(tree / "b.frag", keep=False)["b.frag"].spirv == {}
 
 
 def test_files_can_be_the_stages_of_one_program(tree: Path) -> None:
     (tree / "p.vert").write_text(VERTEX)
     (tree / "p.frag").write_text(FRAGMENT)
-    (both,) = compile_glsl([tree / "p.vert", tree / "p.frag"], link=True, keep=True)
+    (both,) = compile_glsl([tree / "p.vert", tree / "p.frag"], link=True)
     assert both.ok and both.stage == "vertex + fragment"
-    assert set(both.spirv["opengl"]) == {"vertex", "fragment"}
     (tree / "p.frag").write_text(FRAGMENT.replace("vec3 n", "vec4 n"))
     (wrong,) = compile_glsl([tree / "p.vert", tree / "p.frag"], link=True)
     assert "Types must match" in wrong.verdicts[0].diagnostics[0].message
@@ -126,20 +124,6 @@ def test_glsl_for_vulkan_reaches_the_vulkan_compiler(tmp_path: Path) -> None:
     results = compile_(tmp_path, targets=["glsl", "vulkan-strict"])
     for result in results.values():
         assert [verdict.ok for verdict in result.verdicts] == [False, True], result
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"targets": ["vulcan"]}, "no such compile target: 'vulcan'"),
-        ({"stage": "pixel"}, "no such stage: 'pixel'"),
-    ],
-)
-def test_an_unknown_option_is_an_error_at_once(
-    tree: Path, options: dict[str, Any], words: str
-) -> None:
-    with pytest.raises(ShaderError, match=words):
-        compile_glsl([tree], **options)
 
 
 def test_a_missing_path_is_a_usage_error(tmp_path: Path) -> None:

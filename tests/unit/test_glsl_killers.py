@@ -9,9 +9,10 @@ import pytest
 
 from shaderlab.compiler import Shaders
 from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.harness import WORK, compile_glsl
+from shaderlab.compiler.harness import WORK
 from shaderlab.model.options import Limits
 from shaderlab.workers.pool import WorkerPool
+from tests.compiling import compile_glsl
 
 HEAD = "#version 450 core\nuniform float x;\nout vec4 c;\n"
 KILLERS = {

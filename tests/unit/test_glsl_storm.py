@@ -6,8 +6,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from benchmarks.trees import storm
-from shaderlab.compiler.harness import WORK, compile_glsl
+from shaderlab.compiler.harness import WORK
 from shaderlab.workers.pool import WorkerPool
+from tests.compiling import compile_glsl
 
 COUNT = 300
 
