@@ -20,7 +20,7 @@ from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.analysis.requests import ShaderOfFile, assume
 from shaderlab.compiler.dialects import raise_version
-from shaderlab.compiler.shader_files import OWN
+from shaderlab.compiler.shader_files import HOST_INPUTS, OWN
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.compiler.translation import find_compiler
 from shaderlab.engine.jobs import BareWorker
@@ -33,7 +33,7 @@ from shaderlab.functions.evaluation import (
     has_version,
     local_name,
 )
-from shaderlab.functions.lacking import Definers, complete
+from shaderlab.functions.lacking import Definers, complete, insert_first
 from shaderlab.functions.signatures import (
     PREFIX,
     Signature,
@@ -64,11 +64,16 @@ def find_entry_points(
     request = Preprocess(source)
     text = get_caller().perform(request, "") if worker is None else request.perform(worker)
     known = read_declarations(text)
-    taken = {name for one in known.all for name in one.declares}
+    signatures = list(itertools.chain.from_iterable(find_signatures(known).values()))
+    inputs = {one.name: one.type for each in signatures for one in each.globals}
+    hosts = HOST_INPUTS.keys() & inputs.keys() - known.names
+    if hosts:
+        rows = [f"uniform {declare(inputs[name], name)};" for name in sorted(hosts)]
+        spans = [(*source.place(1), 1)] * len(rows)
+        return find_entry_points(insert_first(written, rows, spans, {}), worker, like)
     own_file = source.parts[0][0] if source.parts else source.path
     places = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
     found = []
-    signatures = list(itertools.chain.from_iterable(find_signatures(known).values()))
     own = [one for one in signatures if source.place(one.line)[0] == own_file]
     whole = False
     with contextlib.suppress(ShaderlabError):
@@ -77,7 +82,7 @@ def find_entry_points(
     for signature in own or signatures:
         place = source.place(signature.line)
         signature = replace(signature, parameters=named.get(_key(signature), signature.parameters))
-        added = "\n".join(_main_lines(signature, taken)) + "\n"
+        added = "\n".join(_main_lines(signature, known.names)) + "\n"
         lines = LineMap.of(places + [(*place, 1)] * added.count("\n"))
         rows = source.text.split("\n")
         if not whole and not signature.globals:  # what it needs, of a file that does not compile
@@ -247,9 +252,11 @@ def compare_functions(
         outputs += [replace(o, name=name if alone else f"{name}: {o.name}") for o in answer.outputs]
         notes += [f"{name}: {note}" for note in answer.notes]
         inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
-    notes += [f"only {others.file.path} has {signature}" for signature, _ in left.values()]
+    only = (f"only {others.file.path} has {signature}" for signature, _ in left.values())
     names = {"old": old.file.path, "new": new.file.path}
-    return [Answer(**names, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
+    return [
+        Answer(**names, outputs=tuple(outputs), notes=tuple(dict.fromkeys(notes)), inputs=inputs)
+    ]
 
 
 def load_ported(signature: Signature, file: Path) -> Program:

@@ -51,6 +51,25 @@ def _definitions(name: str) -> re.Pattern[str]:
     )  # fmt: skip
 
 
+def insert_first(
+    source: Source,
+    rows: Sequence[str],
+    spans: Sequence[tuple[str, int, int]],
+    parts: Mapping[str, str],
+) -> Source:
+    """The source with rows of other places before its own, but after what has to come first."""
+    own, codes = source.text.split("\n"), source.code.split("\n")
+    at = next((n for n, row in enumerate(codes) if not _HEAD.fullmatch(row)), 0)
+    places = [(*source.place(n + 1), 1) for n in range(len(own))]
+    return replace(
+        source,
+        text="\n".join([*own[:at], *rows, *own[at:]]),
+        lines=LineMap.of([*places[:at], *spans, *places[at:]]),
+        parts=tuple({**dict(source.parts), **parts}.items()),
+        stripped=None,
+    )
+
+
 class Definers:
     """The files in shader folders, by what they define."""
 
@@ -91,16 +110,8 @@ class Definers:
             made.append(file, strip_comments(file.text), ((user, 1),))
         except ShaderError:
             return None
-        rows, codes = source.text.split("\n"), source.code.split("\n")
-        at = next((n for n, row in enumerate(codes) if not _HEAD.fullmatch(row)), 0)
-        spans = [(*source.place(n + 1), 1) for n in range(len(rows))]
-        return replace(
-            source,
-            text="\n".join([*rows[:at], *made.rows, *rows[at:]]),
-            lines=LineMap.of([*spans[:at], *made.spans, *spans[at:]]),
-            parts=tuple({**dict(source.parts), **made.parts}.items()),
-            stripped=None,
-        ), f"lacks {lacked[1]}: {known}, which defines it, is included"
+        note = f"lacks {lacked[1]}: {known}, which defines it, is included"
+        return insert_first(source, made.rows, made.spans, made.parts), note
 
     def explain(self, error: ShaderlabError, source: Source, lacks: frozenset[str]) -> None:
         """Add to an error about what functions lack where that is, or who has to define it."""

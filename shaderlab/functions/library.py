@@ -413,7 +413,7 @@ class Library:
         ask = partial(get_caller().perform, what=f"reading {self._source.path}")
         found, told = complete(self._source, _shader_folders(Path(self._folder)), ask)
         for note in told:
-            warnings.warn(f"{display_path(self._source.path)} {note}", stacklevel=4)
+            warnings.warn(f"{display_path(self._source.path)} {note}", stacklevel=6)
         return found
 
 

@@ -359,6 +359,7 @@ def test_what_a_file_lacks_comes_from_its_library(tmp_path: Path) -> None:
     assert "turn.glsl lacks half_of: math/half.glsl, which defines it, is included" in said
     assert "turn.glsl lacks TAU: math/const.glsl" in said
     assert turn.turn.place == (str(tmp_path / "turn.glsl"), 1) and turn.own.place[1] == 3
+    assert all(one.filename == __file__ for one in told)
     with pytest.warns(UserWarning, match="ray.glsl lacks Ray: math/types.glsl"):
         ray = {"at": np.zeros(3), "along": np.ones(3)}
         assert glsl.load(tmp_path / "ray.glsl").along(ray) == 1.0
@@ -443,6 +444,8 @@ def test_uniforms_of_viewers_need_no_declaration(tmp_path: Path) -> None:
     assert seen.seen([1.0, 2.0], u_projectionMatrix=3.0 * np.eye(4)).tolist() == [3.0, 6.0]
     assert seen.at([0.5, 0.5], u_tex0=np.full((2, 2, 4), 0.25, np.float32)).tolist() == [0.25] * 4
     assert glsl.load(tmp_path / "own.glsl").own(u_time=0.5) == 0.5
+    status, said = call("audit", tmp_path / "seen.glsl", "--inputs")
+    assert status == 0 and "seen: u_projectionMatrix" in said and "at: u_tex0" in said
     with pytest.raises(CallError, match="u_time, which is not given"):
         glsl.load(tmp_path / "seen.glsl").seen([1.0, 2.0], u_projectionMatrix=np.eye(4))
 
