@@ -187,7 +187,7 @@ class Preprocess:
 
 @dataclass(frozen=True)
 class Refusal:
-    """Asks why one of a file's functions does not compile; "" if it does."""
+    """Asks where and why one of a file's functions does not compile; "" if it does."""
 
     source: Source
     signature: Signature
@@ -201,7 +201,7 @@ class Refusal:
         try:
             cached_compiler()((kernel,), ("glsl",)).require()
         except ShaderError as error:
-            return error.message
+            return f"{error.file}: {error.message}"
         return ""
 
 

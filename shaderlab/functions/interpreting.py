@@ -20,8 +20,8 @@ from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.analysis.requests import ShaderOfFile, assume
 from shaderlab.compiler.dialects import raise_version
-from shaderlab.compiler.shader_files import HOST_INPUTS, OWN
-from shaderlab.compiler.sources import LineMap, Source
+from shaderlab.compiler.shader_files import HOST_INPUTS, OWN, Roots
+from shaderlab.compiler.sources import Expansion, LineMap, Source
 from shaderlab.compiler.translation import find_compiler
 from shaderlab.engine.jobs import BareWorker
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
@@ -68,9 +68,10 @@ def find_entry_points(
     inputs = {one.name: one.type for each in signatures for one in each.globals}
     hosts = HOST_INPUTS.keys() & inputs.keys() - known.names
     if hosts:
+        uniforms = Expansion(Roots([], {}), {}, source.version[0], source.stage)
         rows = [f"uniform {declare(inputs[name], name)};" for name in sorted(hosts)]
-        spans = [(*source.place(1), 1)] * len(rows)
-        return find_entry_points(insert_first(written, rows, spans, {}), worker, like)
+        uniforms.add(source.place(1), *rows)
+        return find_entry_points(insert_first(written, [uniforms]), worker, like)
     own_file = source.parts[0][0] if source.parts else source.path
     places = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
     found = []
@@ -252,11 +253,9 @@ def compare_functions(
         outputs += [replace(o, name=name if alone else f"{name}: {o.name}") for o in answer.outputs]
         notes += [f"{name}: {note}" for note in answer.notes]
         inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
-    only = (f"only {others.file.path} has {signature}" for signature, _ in left.values())
-    names = {"old": old.file.path, "new": new.file.path}
-    return [
-        Answer(**names, outputs=tuple(outputs), notes=tuple(dict.fromkeys(notes)), inputs=inputs)
-    ]
+    notes += [f"only {others.file.path} has {signature}" for signature, _ in left.values()]
+    names, said = {"old": old.file.path, "new": new.file.path}, tuple(dict.fromkeys(notes))
+    return [Answer(**names, outputs=tuple(outputs), notes=said, inputs=inputs)]
 
 
 def load_ported(signature: Signature, file: Path) -> Program:

@@ -51,23 +51,16 @@ def _definitions(name: str) -> re.Pattern[str]:
     )  # fmt: skip
 
 
-def insert_first(
-    source: Source,
-    rows: Sequence[str],
-    spans: Sequence[tuple[str, int, int]],
-    parts: Mapping[str, str],
-) -> Source:
-    """The source with rows of other places before its own, but after what has to come first."""
-    own, codes = source.text.split("\n"), source.code.split("\n")
+def insert_first(source: Source, added: Sequence[Expansion]) -> Source:
+    """The source with other texts before its own, but after what has to come first."""
+    rows, codes = source.text.split("\n"), source.code.split("\n")
     at = next((n for n, row in enumerate(codes) if not _HEAD.fullmatch(row)), 0)
-    places = [(*source.place(n + 1), 1) for n in range(len(own))]
-    return replace(
-        source,
-        text="\n".join([*own[:at], *rows, *own[at:]]),
-        lines=LineMap.of([*places[:at], *spans, *places[at:]]),
-        parts=tuple({**dict(source.parts), **parts}.items()),
-        stripped=None,
-    )
+    spans = [(*source.place(n + 1), 1) for n in range(len(rows))]
+    rows[at:at] = [row for one in added for row in one.rows]
+    spans[at:at] = [span for one in added for span in one.spans]
+    parts = dict(source.parts) | {path: text for one in added for path, text in one.parts.items()}
+    text, lines = "\n".join(rows), LineMap.of(spans)
+    return replace(source, text=text, lines=lines, parts=tuple(parts.items()), stripped=None)
 
 
 class Definers:
@@ -96,22 +89,17 @@ class Definers:
         shaders = any(MAIN.search(strip_comments(file.text)) for file in found.values())
         return found, len(texts) == 1 and not shaders
 
-    def include(self, message: str, source: Source) -> tuple[Source, str] | None:
-        """The source with the file that defines the name that it lacks, and what that is in words;
-        None where no file does, or several differ."""
+    def include(self, message: str, source: Source) -> tuple[Expansion, str] | None:
+        """The text of the file that defines the name that a source lacks, and what that is in
+        words; None where no file does, or several differ."""
         lacked = _LACKED.search(message)
         files, same = self.find(lacked[1]) if lacked else ({}, False)
         if lacked is None or not same or _definitions(lacked[1]).search(source.code):
             return None
         (known, file), *_ = files.items()
         made = Expansion(self._roots, {}, source.version[0], source.stage)
-        user = File(source.name, source.path, "")
-        try:
-            made.append(file, strip_comments(file.text), ((user, 1),))
-        except ShaderError:
-            return None
-        note = f"lacks {lacked[1]}: {known}, which defines it, is included"
-        return insert_first(source, made.rows, made.spans, made.parts), note
+        made.append(file, strip_comments(file.text), ((File(source.name, source.path, ""), 1),))
+        return made, f"lacks {lacked[1]}: {known}, which defines it, is included"
 
     def explain(self, error: ShaderlabError, source: Source, lacks: frozenset[str]) -> None:
         """Add to an error about what functions lack where that is, or who has to define it."""
@@ -190,14 +178,19 @@ def complete(source: Source, folders: Sequence[Path], ask: Ask) -> tuple[Content
     found, told = Contents.of(source, ask), list[str]()
     lacking = [key for key, one in found.by_place.items() if one.lacks]
     lacking = [key for key in lacking if found.refusal(key, ask)]
-    definers = Definers(folders)
+    definers, added = Definers(folders), list[Expansion]()
     for key in lacking:
         with contextlib.suppress(ShaderError):
-            tried, taken = found, list[str]()
-            while (said := tried.refusal(key, ask)) and len(taken) < _MOST:
-                if (more := definers.include(said, tried.written)) is None:
+            tried, texts, notes = found, [*added], [*told]
+            while said := tried.refusal(key, ask):
+                more = definers.include(said, tried.written) if len(texts) < _MOST else None
+                if more is None:
                     break
-                tried, taken = Contents.of(more[0], ask), [*taken, more[1]]
-            if taken and (not said or _BODILESS.search(said)) and tried.keeps(found, lacking):
-                found, told = tried, told + taken
+                # What lacks it comes after it: another text that was added, or the file itself.
+                users = (n for n, one in enumerate(texts) if said.startswith(tuple(one.parts)))
+                texts.insert(next(users, len(texts)), more[0])
+                notes.append(more[1])
+                tried = Contents.of(insert_first(source, texts), ask)
+            if tried.keeps(found, lacking) and (not said or _BODILESS.search(said)):
+                found, added, told = tried, texts, notes
     return found, told

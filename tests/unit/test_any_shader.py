@@ -371,6 +371,20 @@ def test_what_a_file_lacks_comes_from_its_library(tmp_path: Path) -> None:
     assert status == 1 and "turn.glsl lacks TAU" in said and "turn: different" in said
 
 
+def test_what_is_included_comes_after_what_it_needs(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        far="float far(float x) { return near(x) * TAU; }\n",
+        near="float near(float x) { return half_of(x) + 0.0 * TAU; }\n",
+        use="float use(Ray ray) { return far(ray.at.x); }\n",
+    )
+    with pytest.warns(UserWarning):
+        use = glsl.load(tmp_path / "use.glsl").use
+        assert use({"at": np.full(3, 2.0), "along": np.ones(3)}) == 6.25
+    places = [use.source.place(n + 1)[0] for n in range(use.source.text.count("\n"))]
+    assert places[-1].endswith("use.glsl") and len(set(places)) == 6
+
+
 def test_what_a_file_lacks_is_not_guessed(tmp_path: Path) -> None:
     write(tmp_path, turn=LIBRARY["turn.glsl"].replace("half_of(x)", "0.5 * x"))
     path, other = tmp_path / "turn.glsl", tmp_path / "math/more.glsl"
