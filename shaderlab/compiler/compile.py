@@ -177,7 +177,6 @@ class Result:
 
 
 def compile_plain(sources: Sequence[Source]) -> Result:
-    """Parse and link the stages as plain GLSL."""
     deadly = tuple(d for d in map(find_crash, sources) if d)
     if deadly:
         return Result(deadly, final=True)

@@ -104,7 +104,6 @@ def find_declaration(source: Source, name: str, kind: str = "") -> GlslDeclarati
 
 
 def has_errors(diagnostics: Sequence[Diagnostic]) -> bool:
-    """Return whether any of them is an error."""
     return bool(diagnostics) and any(d.severity == "error" for d in diagnostics)
 
 

@@ -42,7 +42,6 @@ def find_own_names(text: str) -> dict[str, str]:
 
 
 def drop_version(source: Source) -> Source:
-    """The stage without `#version`."""
     return replace(source, text=_VERSION.sub("", source.text, count=1), stripped=None)
 
 

@@ -8,9 +8,9 @@ import functools
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from shaderlab.errors import ShaderError, suggest
 
@@ -22,8 +22,7 @@ _MAP_BINDINGS, _MAP_LOCATIONS, _RELAXED = 1 << 0, 1 << 1, 1 << 2
 _MAP = _MAP_BINDINGS | _MAP_LOCATIONS
 
 
-@dataclass(frozen=True, kw_only=True)
-class TargetSettings:
+class TargetSettings(NamedTuple):
     """One target in the compilers' terms: glslang's numbers, SPIRV-Tools' name for the target (""
     without modules), the name in messages of the API that runs the modules, and the lowest desktop
     `#version` that can become SPIR-V."""
@@ -37,29 +36,12 @@ class TargetSettings:
     minimum: int = 0
 
 
-_VULKAN = TargetSettings(
-    client=1,
-    client_version=1 << 22,
-    messages=_SPV_RULES | _VULKAN_RULES,
-    options=_MAP | _RELAXED,
-    environment="vulkan1.0",
-    api="Vulkan",
-    minimum=140,
-)
-
+_VULKAN = (1, 1 << 22, _SPV_RULES | _VULKAN_RULES)
 SETTINGS: Mapping[str, TargetSettings] = {
     "glsl": TargetSettings(),
-    "opengl": TargetSettings(
-        client=2,
-        client_version=450,
-        messages=_SPV_RULES,
-        options=_MAP,
-        environment="opengl4.5",
-        api="OpenGL",
-        minimum=330,
-    ),
-    "vulkan": _VULKAN,
-    "vulkan-strict": replace(_VULKAN, options=_MAP),
+    "opengl": TargetSettings(2, 450, _SPV_RULES, _MAP, "opengl4.5", "OpenGL", 330),
+    "vulkan": TargetSettings(*_VULKAN, _MAP | _RELAXED, "vulkan1.0", "Vulkan", 140),
+    "vulkan-strict": TargetSettings(*_VULKAN, _MAP, "vulkan1.0", "Vulkan", 140),
 }
 
 TARGETS = ("glsl", "opengl", "vulkan")

@@ -64,7 +64,6 @@ class FileResult:
 
     @property
     def ok(self) -> bool:
-        """Whether all targets accept it."""
         return all(verdict.ok for verdict in self.verdicts)
 
 

@@ -298,7 +298,6 @@ def reflect(modules: Mapping[str, bytes]) -> Interface:
 
 
 def _blocks(module: Module) -> Iterator[Block]:
-    """Yield the module's uniform and storage blocks."""
     paths = used_paths(module)
     for storage in (StorageClass.Uniform, StorageClass.StorageBuffer, StorageClass.PushConstant):
         for id_ in own_variables(module, storage):

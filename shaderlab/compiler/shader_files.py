@@ -344,7 +344,6 @@ class Roots:
         return file
 
     def has(self, name: str) -> bool:
-        """Return whether there is a shader of that name, and it can be read."""
         try:
             return self.find(normalise_name(name)) is not None
         except (OutsideError, ShaderError):

@@ -112,8 +112,6 @@ class Decoration(IntEnum):
 
 
 class StorageClass(IntEnum):
-    """The storage classes of global variables."""
-
     UniformConstant, Input, Uniform, Output, Workgroup = range(5)
     Private = 6
     PushConstant, AtomicCounter = 9, 10
@@ -121,8 +119,6 @@ class StorageClass(IntEnum):
 
 
 class ExecutionMode(IntEnum):
-    """The execution modes that are read or added."""
-
     PixelCenterInteger, OriginUpperLeft = 6, 7
     Xfb = 11
     LocalSize = 17

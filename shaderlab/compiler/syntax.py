@@ -124,11 +124,9 @@ class Syntax:
 
     @property
     def root(self) -> Node:
-        """The whole file."""
         return self._tree.root_node
 
     def of(self, node: Node) -> str:
-        """Return the text of one node."""
         return self._between(node.start_byte, node.end_byte)
 
     @cached_property
@@ -373,7 +371,6 @@ def name_of(definition: Node) -> Node:
 
 
 def operator_of(node: Node) -> Node:
-    """Return the operator token of an expression."""
     found = node.child_by_field_name("operator")
     assert found is not None
     return found
@@ -387,7 +384,6 @@ def field(node: Node, name: str) -> Node:
 
 
 def arguments_of(call: Node) -> list[Node]:
-    """Return the arguments of a call or constructor."""
     return [n for n in field(call, "arguments").named_children if n.type != "comment"]
 
 
