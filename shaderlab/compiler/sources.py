@@ -312,6 +312,7 @@ class Source:
         text: what the compiler gets, with line ends "\\n".
         lines: for each line of `text`, the author's file and line.
         parts: each contributing file's path and own text, the main file first.
+        notes: what was added, in words.
     """
 
     name: str
@@ -321,6 +322,7 @@ class Source:
     lines: LineMap
     parts: tuple[tuple[str, str], ...]
     stripped: str | None = field(default=None, repr=False, compare=False)
+    notes: tuple[str, ...] = ()
 
     @functools.cached_property
     def code(self) -> str:

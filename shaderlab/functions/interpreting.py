@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -54,16 +54,22 @@ EntryPoint = tuple[Signature, Source]
 
 
 def find_entry_points(
-    written: Source, worker: BareWorker | None = None, like: Sequence[EntryPoint] = ()
+    written: Source,
+    worker: BareWorker | None = None,
+    like: Sequence[EntryPoint] = (),
+    folders: Sequence[Path] = (),
 ) -> list[EntryPoint]:
     """The functions that a file defines itself, or all of what it includes if there is none, in
     order; preprocessed by a worker, or where calls are made. Those `like` another one, by name and
-    types, have its names of parameters. Raises ShaderError: brackets do not match, no function."""
+    types, have its names of parameters. What they lack comes from shader folders. Raises
+    ShaderError: brackets do not match, no function."""
     named = {_key(one): one.parameters for one, _ in like}
     source = raise_version(written, "" if has_version(written) else "#version 330 core")
-    request = Preprocess(source)
-    text = get_caller().perform(request, "") if worker is None else request.perform(worker)
-    known = read_declarations(text)
+
+    def ask(request: Any) -> Any:
+        return get_caller().perform(request, "") if worker is None else request.perform(worker)
+
+    known = read_declarations(ask(Preprocess(source)))
     signatures = list(itertools.chain.from_iterable(find_signatures(known).values()))
     inputs = {one.name: one.type for each in signatures for one in each.globals}
     hosts = HOST_INPUTS.keys() & inputs.keys() - known.names
@@ -71,7 +77,9 @@ def find_entry_points(
         uniforms = Expansion(Roots([], {}), {}, source.version[0], source.stage)
         rows = [f"uniform {declare(inputs[name], name)};" for name in sorted(hosts)]
         uniforms.add(source.place(1), *rows)
-        return find_entry_points(insert_first(written, [uniforms]), worker, like)
+        return find_entry_points(insert_first(written, [uniforms]), worker, like, folders)
+    if folders and any(one.lacks for one in signatures):
+        return find_entry_points(complete(written, folders, ask).written, worker, like)
     own_file = source.parts[0][0] if source.parts else source.path
     places = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
     found = []
@@ -171,9 +179,8 @@ Plan = TypeVar("Plan", AuditPlan, ComparisonPlan)
 
 def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -> list[Audit]:
     """The `Audit` of a file's functions as one, and one of each that is refused."""
-    found, refused = [], []
-    functions, told = _find_whole(shader, worker)
-    definers = Definers(shader.folders)
+    found, refused, definers = [], [], Definers(shader.folders)
+    functions = find_entry_points(shader.source("fragment"), worker, folders=shader.folders)
     _check_ranges(plan.ranges, functions)
     for signature, source in functions:
         name = signature.name
@@ -198,19 +205,7 @@ def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -
         claims = tuple(replace(c, what=f"{c.what} in {name}") for c in audit.claims)
         found.append(replace(audit, inputs=inputs, spreads=spreads, claims=claims))
     merged = _merge_audits(shader.file.path, found)
-    return [*(replace(audit, notes=tuple(told)) for audit in merged), *refused]
-
-
-def _find_whole(
-    shader: ShaderOfFile, worker: BareWorker, like: Sequence[EntryPoint] = ()
-) -> tuple[list[EntryPoint], list[str]]:
-    """The functions of a file with what it lacks, and what was taken for that, in words."""
-    written = shader.source("fragment")
-    functions, told = find_entry_points(written, worker, like), list[str]()
-    if any(signature.lacks for signature, _ in functions):
-        found, told = complete(written, shader.folders, lambda request: request.perform(worker))
-        functions = find_entry_points(found.written, worker, like) if told else functions
-    return functions, [f"{shader.file.path} {note}" for note in told]
+    return [*(replace(audit, notes=functions[0][1].notes) for audit in merged), *refused]
 
 
 def compare_functions(
@@ -218,19 +213,18 @@ def compare_functions(
 ) -> list[Answer]:
     """The `Answer` on the functions of two files, each an output of it."""
     ours, others = (new, old) if old.is_module else (old, new)
-    functions, notes = _find_whole(ours, worker)
+    functions = find_entry_points(ours.source("fragment"), worker, folders=ours.folders)
     ported = Path(others.file.path)
     ported_text = ported.read_text(errors="replace") if others.is_module else ""
     if ported_text:
         find_compiler(ported, "name two shaders in GLSL")
-    theirs = list[EntryPoint]()
-    if not ported_text:
-        theirs, told = _find_whole(others, worker, functions)
-        notes += told
+    text = None if ported_text else others.source("fragment")
+    theirs = [] if text is None else find_entry_points(text, worker, functions, others.folders)
     _check_ranges(plan.ranges, [*functions, *theirs])
     left = {_key(signature): (signature, source) for signature, source in theirs}
     outputs: list[OutputAnswer] = []
     inputs: dict[str, str] = {}
+    notes = [note for each in (functions[:1], theirs[:1]) for _, one in each for note in one.notes]
     for signature, source in functions:
         name, other = signature.name, left.pop(_key(signature), None)
         # A text without a brace only includes others, which its compiler reads.

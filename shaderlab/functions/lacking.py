@@ -51,7 +51,7 @@ def _definitions(name: str) -> re.Pattern[str]:
     )  # fmt: skip
 
 
-def insert_first(source: Source, added: Sequence[Expansion]) -> Source:
+def insert_first(source: Source, added: Sequence[Expansion], *notes: str) -> Source:
     """The source with other texts before its own, but after what has to come first."""
     rows, codes = source.text.split("\n"), source.code.split("\n")
     at = next((n for n, row in enumerate(codes) if not _HEAD.fullmatch(row)), 0)
@@ -59,8 +59,8 @@ def insert_first(source: Source, added: Sequence[Expansion]) -> Source:
     rows[at:at] = [row for one in added for row in one.rows]
     spans[at:at] = [span for one in added for span in one.spans]
     parts = dict(source.parts) | {path: text for one in added for path, text in one.parts.items()}
-    text, lines = "\n".join(rows), LineMap.of(spans)
-    return replace(source, text=text, lines=lines, parts=tuple(parts.items()), stripped=None)
+    new = replace(source, text="\n".join(rows), parts=tuple(parts.items()), stripped=None)
+    return replace(new, lines=LineMap.of(spans), notes=(*source.notes, *notes))
 
 
 class Definers:
@@ -99,7 +99,8 @@ class Definers:
         (known, file), *_ = files.items()
         made = Expansion(self._roots, {}, source.version[0], source.stage)
         made.append(file, strip_comments(file.text), ((File(source.name, source.path, ""), 1),))
-        return made, f"lacks {lacked[1]}: {known}, which defines it, is included"
+        user = display_path(source.path)
+        return made, f"{user} lacks {lacked[1]}: {known}, which defines it, is included"
 
     def explain(self, error: ShaderlabError, source: Source, lacks: frozenset[str]) -> None:
         """Add to an error about what functions lack where that is, or who has to define it."""
@@ -172,16 +173,15 @@ class Contents:
         return kept.items() <= self.texts.items() and names.isdisjoint(itertools.chain(*added))
 
 
-def complete(source: Source, folders: Sequence[Path], ask: Ask) -> tuple[Contents, list[str]]:
-    """A file with what its functions lack, where one definition in the shader folders can be meant,
-    and what was taken, in words. A function that compiles as it is keeps its text."""
-    found, told = Contents.of(source, ask), list[str]()
+def complete(source: Source, folders: Sequence[Path], ask: Ask) -> Contents:
+    """A file with what its functions lack, where one definition in the shader folders can be meant.
+    A function that compiles as it is keeps its text."""
+    found, definers, added = Contents.of(source, ask), Definers(folders), list[Expansion]()
     lacking = [key for key, one in found.by_place.items() if one.lacks]
     lacking = [key for key in lacking if found.refusal(key, ask)]
-    definers, added = Definers(folders), list[Expansion]()
     for key in lacking:
         with contextlib.suppress(ShaderError):
-            tried, texts, notes = found, [*added], [*told]
+            tried, texts, notes = found, [*added], found.written.notes
             while said := tried.refusal(key, ask):
                 more = definers.include(said, tried.written) if len(texts) < _MOST else None
                 if more is None:
@@ -189,8 +189,8 @@ def complete(source: Source, folders: Sequence[Path], ask: Ask) -> tuple[Content
                 # What lacks it comes after it: another text that was added, or the file itself.
                 users = (n for n, one in enumerate(texts) if said.startswith(tuple(one.parts)))
                 texts.insert(next(users, len(texts)), more[0])
-                notes.append(more[1])
-                tried = Contents.of(insert_first(source, texts), ask)
+                notes = (*notes, more[1])
+                tried = Contents.of(insert_first(source, texts, *notes), ask)
             if tried.keeps(found, lacking) and (not said or _BODILESS.search(said)):
-                found, added, told = tried, texts, notes
-    return found, told
+                found, added = tried, texts
+    return found

@@ -411,9 +411,9 @@ class Library:
     def _contents(self) -> Contents:
         """What the file has, with what it lacks."""
         ask = partial(get_caller().perform, what=f"reading {self._source.path}")
-        found, told = complete(self._source, _shader_folders(Path(self._folder)), ask)
-        for note in told:
-            warnings.warn(f"{display_path(self._source.path)} {note}", stacklevel=6)
+        found = complete(self._source, _shader_folders(Path(self._folder)), ask)
+        for note in found.written.notes:
+            warnings.warn(note, stacklevel=6)
         return found
 
 
