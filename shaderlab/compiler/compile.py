@@ -116,7 +116,8 @@ def with_interface(
         if modules := compiled.spirv.get("opengl"):
             return reflect(modules)
         newer = tuple(map(raise_version, ordered))
-        if "opengl" in targets and newer == tuple(ordered):
+        compatible = any(source.version[1] == "compatibility" for source in ordered)
+        if compatible or ("opengl" in targets and newer == tuple(ordered)):
             return None
         return compile(newer, ("glsl", "opengl")).interface
 

@@ -47,15 +47,15 @@ def drop_version(source: Source) -> Source:
 
 def raise_version(source: Source, head: str = "") -> Source:
     """Return the stage in the oldest version that has all its words and can become SPIR-V for
-    OpenGL: GLSL 3.30 for 1.10 to 1.50, ES 3.10 for ES 1.00 and 3.00. The stage itself if it can
-    already, or if it is of the compatibility profile. `head` is another `#version` line."""
+    OpenGL: GLSL 3.30 for 1.10 to 1.50, ES 3.10 for ES 1.00 and 3.00, the core profile for the
+    compatibility profile. The stage itself if it can already. `head` is another `#version` line."""
     version, profile = source.version
-    embedded = is_embedded(version, profile)
+    embedded, older_words = is_embedded(version, profile), profile == "compatibility"
     known = (100, 300) if embedded else (110, 120, 130, 140, 150)
-    if version not in known or profile == "compatibility":
+    if version not in known and not older_words:
         return source
-    head = head or ("#version 310 es" if embedded else "#version 330")
-    if version in (140, 150, 300):  # no word is replaced
+    head = head or ("#version 310 es" if embedded else f"#version {max(version, 330)}")
+    if version in (140, 150, 300) and not older_words:  # no word is replaced
         text = _VERSION.sub(head, keep_own_names(source.text), count=1)
         return replace(source, text=text, stripped=None)
     # What extensions added is part of the newer version.
@@ -65,8 +65,9 @@ def raise_version(source: Source, head: str = "") -> Source:
     rows = [head, *(define for name, define in _SHADOWS.items() if name in text)]
     if last_stage and not _DECLARED.search(text) and (found := _OUTPUT.findall(text)):
         count = f"[{1 + int(max(found))}]" if any(found) else ""
-        rows.append(f"layout (location = 0) out mediump vec4 shaderlab_color{count};")
-        text = _OUTPUT.sub("shaderlab_color", text)
+        name = OWN + ("gl_FragData" if count else "gl_FragColor")
+        rows.append(f"layout (location = 0) out mediump vec4 {name}{count};")
+        text = _OUTPUT.sub(name, text)
     lines = LineMap.of([(*source.place(1), 1)] * len(rows) + list(source.lines.spans))
     text = "\n".join([*rows, CALLS.sub(r"texture\1", text)])
     return replace(source, text=text, lines=lines, stripped=None)

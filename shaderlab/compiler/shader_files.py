@@ -22,6 +22,7 @@ EXTENSIONS: Mapping[str, str] = {
     ".vert": "vertex", ".vs": "vertex", ".tesc": "tess_control", ".tcs": "tess_control",
     ".tese": "tess_evaluation", ".tes": "tess_evaluation", ".geom": "geometry", ".gs": "geometry",
     ".frag": "fragment", ".fs": "fragment", ".comp": "compute", ".cs": "compute",
+    ".vsh": "vertex", ".gsh": "geometry", ".fsh": "fragment", ".csh": "compute",
 }  # fmt: skip
 _PRAGMA = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+shader_stage[ \t]*\([ \t]*(\w*)[ \t]*\)", re.M)
 # Words that one stage alone has.
@@ -294,8 +295,8 @@ def is_embedded(version: int, profile: str) -> bool:
     return profile == "es" or version == 100
 
 
-_SHADER_SUFFIXES = re.compile(
-    r"\.(vert|vs|frag|fs|geom|gs|tes[ce]?|tcs|comp|cs|glsl|inc|h|spv|spvasm|hlsl|slang|wgsl)"
+_SHADER_SUFFIXES = frozenset(
+    {*EXTENSIONS, ".glsl", ".inc", ".h", ".spv", ".spvasm", ".hlsl", ".slang", ".wgsl"}
 )
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
 MOST_FILES = 20_000
@@ -462,7 +463,7 @@ def normalise_name(name: str, folder: str = "") -> str:
 
 def is_shader(name: str) -> bool:
     """Return whether a file's name is a shader's, or an included one's."""
-    return _SHADER_SUFFIXES.fullmatch(os.path.splitext(name)[1]) is not None
+    return os.path.splitext(name)[1] in _SHADER_SUFFIXES
 
 
 @dataclass(frozen=True)

@@ -248,7 +248,10 @@ class Expansion:
         endings = ("",) if whole else (".glsl", SCRIPT, "/index.glsl", "")
         paths = [path + ending for ending in endings]
         # Last by the name of a shader folder itself, as those write who know it as a package.
-        for start, tried in itertools.product(dict.fromkeys([folder, "", ".."]), paths):
+        starts = dict.fromkeys([folder, "", ".."])
+        if path.startswith("/"):  # from a shader folder, as in packs of shaders for Minecraft
+            paths, starts = [*paths, *(one.lstrip("/") for one in paths)], {"": None}
+        for start, tried in itertools.product(starts, paths):
             try:
                 name = normalise_name(tried, start)
                 file = self._roots.find(name)

@@ -284,7 +284,8 @@ def load(source: Source) -> Program:
     try:
         compiled.require()
     except ShaderError as error:
-        if error.message.startswith(tuple(f"'gl_{name}" for name in _FIXED)):
+        fixed = ("'ftransform", *(f"'gl_{name}" for name in _FIXED))
+        if error.message.startswith(fixed):
             error.remedy = "declare it: nothing feeds the fixed-function pipeline here"
         raise
     raise ShaderError("does not become SPIR-V", file=source.path)
