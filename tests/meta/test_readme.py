@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 from pathlib import Path
 
@@ -63,6 +64,15 @@ def test_every_module_that_the_docs_name_exists(repository: Path) -> None:
     for page in [repository / "CONTRIBUTING.md", *internals.glob("*.md")]:
         for name in re.findall(r"`([a-z_]+(?:/[a-z_]+)*\.py)`", page.read_text(encoding="utf-8")):
             assert any((root / name).is_file() for root in roots), f"{page.name} names {name}"
+
+
+def test_every_import_that_the_docs_show_works(repository: Path) -> None:
+    shown = re.compile(r"from (shaderlab[\w.]*) import (?:\(([^)]*)\)|([\w, ]+))")
+    for page in pages(repository):
+        for module, several, names in shown.findall(page.read_text(encoding="utf-8")):
+            for name in filter(None, re.split(r"[\s,]+", several or names)):
+                found = hasattr(importlib.import_module(module), name)
+                assert found or name == "NAME", f"{page.name}: from {module} import {name}"
 
 
 def test_every_page_is_in_the_index(repository: Path) -> None:
