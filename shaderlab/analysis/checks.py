@@ -64,7 +64,8 @@ class Watcher:
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         checks = CHECKS.get(number_of(at.op, at.operands), ())
-        if checks or at.op in FLOATS:
+        overflows = at.op in FLOATS and _is_large(result, state.mask)
+        if checks or overflows:
             values = [numbers(v) for v in run.values(arguments_of(at.op, at.operands))]
             if all(v is not None for v in values):
                 known = np.zeros(1, np.bool_)
@@ -72,7 +73,8 @@ class Watcher:
                     with np.errstate(all="ignore"):
                         margin = np.asarray(check.margin(*values), np.float64)
                     known = known | self._note(run, at, state, check, values, margin)
-                self._overflow(run, at, state, values, result, known)
+                if overflows:
+                    self._overflow(run, at, state, values, result, known)
         elif at.op in INDEXING:
             for index, size in indices_of(run, at):
                 self._note_index(run, at, state, INDEX, index.lo, np.full((1, 1), size))
@@ -104,13 +106,8 @@ class Watcher:
         self, run: Run, at: Instruction, state: PathState, given: list[Any], result: Any, bad: Flags
     ) -> None:
         """Note results that are no numbers although all operands are, and good ones."""
-        value = numbers(result) if isinstance(result, np.ndarray) else None
-        if value is None:
-            return
         with np.errstate(all="ignore"):
-            peak = _rows(np.abs(value)).max(axis=1, keepdims=True)
-            if not (peak > 1e15).any() and not np.isnan(peak).any():
-                return
+            peak = _rows(np.abs(result.astype(np.float64))).max(axis=1, keepdims=True)
             known = ~bad[:, None]
             for operand in given:
                 known = known & np.isfinite(_rows(operand)).all(axis=1, keepdims=True)
@@ -146,6 +143,13 @@ class Watcher:
             known.operands[row] = _component(values, margin, bad, row)
         known.bad = known.bad | fails
         return fails
+
+
+def _is_large(result: Any, here: Flags) -> bool:
+    """Whether it is floats, and one of those of the invocations that are here large or no number."""
+    if not isinstance(result, np.ndarray) or (result.max() <= 1e15 and result.min() >= -1e15):
+        return False
+    return len(result) == 1 or not (np.abs(result[here]) <= 1e15).all()
 
 
 _KEPT = 4  # rows whose operands are kept

@@ -103,6 +103,9 @@ def undefined_values(
     """What is read before it is written and changes an output, and outputs not written."""
     watch = _Filling(_VALUES[0])
     plain = _run(program, batch, watch)
+    both = _run(program, batch, _Filling(_VALUES[1]), _VALUES[1])
+    if not _find_differences(plain, both, batch.count):
+        return
     whole = _run(program, batch, _Filling(_VALUES[1]))
     if _find_differences(plain, whole, batch.count):
         for id_ in watch.filled:
