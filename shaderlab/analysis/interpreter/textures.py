@@ -22,6 +22,7 @@ from shaderlab.glslmath.sampling.reading import (
     component as bounds_of,
     fetch,
     level_values,
+    map_span,
     to_span,
 )
 from shaderlab.model.frame import Array, Texels
@@ -55,10 +56,12 @@ def sample_texture(run: Run, lookup: Lookup, mask: Flags) -> Any:
     """The texture function's value for the invocations of a mask; others may be anywhere."""
     lookup, give = _decode(lookup)
     rules = lookup.sampler.rules
+    if rules is None:
+        return run.arithmetic.rounded(_sample_rows(lookup, mask))
     ignored = np.zeros(1, np.bool_) if mask.all() else ~mask
-    wide = ignored if rules is None else ignored | _find_wide(lookup)
+    wide = ignored | _find_wide(lookup)
     found = run.arithmetic.rounded(_sample_here(run, lookup, wide))
-    if rules is None or not isinstance(found, Band):
+    if not isinstance(found, Band):
         return found
     if give:
         found = Band.between(found.lo - give, found.hi + give, rules)
@@ -90,6 +93,18 @@ def _to_linear(codes: Any) -> Any:
     decoded = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
     decoded[..., 3:] = c[..., 3:]
     return decoded.astype(np.float32)
+
+
+def _sample_rows(lookup: Lookup, mask: Flags) -> Any:
+    """The sample of numbers, looked up for the invocations of a mask alone."""
+    place, level = lookup.place, lookup.level
+    rows = np.flatnonzero(mask)
+    if len(place) < len(mask) or len(rows) == len(mask):
+        return sample(lookup.sampler, place, level, lookup.offset)
+    if level is not None:
+        level = map_span(lambda end: end[rows] if len(end) > 1 else end, level)
+    found = sample(lookup.sampler, place[rows], level, lookup.offset)
+    return found[np.maximum(np.cumsum(mask) - 1, 0)]
 
 
 def _sample_here(run: Run, lookup: Lookup, elsewhere: Flags) -> Any:
