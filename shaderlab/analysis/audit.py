@@ -47,6 +47,7 @@ from .interpreter.running import MAX_BLOCKS
 from .portability import find_spreads, widest_spreads
 from .proof import BOXES, Point, Proof
 from .undefined import (
+    conflicts,
     divergent,
     find_dependence,
     find_dependents,
@@ -65,10 +66,11 @@ _DRAWN_BOXES = 1536
 
 
 def first_batch(
-    inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int
+    program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int
 ) -> InputBatch:
     """Random invocations. Textures hold 0 and 1 here and there."""
-    batch = sample_inputs(inputs, domains, count, 0)
+    together = program.local_size if program.group > 1 else None
+    batch = sample_inputs(inputs, domains, count, 0, together)
     return replace(batch, bindings=coarsen_textures(batch.bindings, domains))
 
 
@@ -109,9 +111,9 @@ def search_inputs(
     """Try to make every instruction of a program go wrong: on random invocations and special ones,
     then in boxes in which it may. The counterexamples, those invocations, ones with the program's
     own numbers, and the boxes."""
-    batch = first_batch(inputs, domains, plan.count)
+    batch = first_batch(program, inputs, domains, plan.count)
     proof = Proof(
-        program, inputs, domains, tried=[batch], boxes=BOXES if plan.prove else _BOXES,
+        program, inputs, domains, tried=[batch], boxes=BOXES if plan.prove else _BOXES * (program.group == 1),
         counts=None if plan.prove else lambda some: find_origins(some, inputs, domains) == RANDOM,
     )  # fmt: skip
     found = {place: one for place, one in proof.points.items() if one.watched is not None}
@@ -121,7 +123,7 @@ def search_inputs(
     # range.
     tried, domains = batch, {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
-        failing, own = run_ending([program], find, first_batch(inputs, domains, plan.count))
+        failing, own = run_ending([program], find, first_batch(program, inputs, domains, plan.count))
         tried = batch if failing is None else own
         for place, one in (failing or {}).items():
             if place not in proof.reached or "0" in place.kind:
@@ -176,6 +178,7 @@ def audit_program(
         hazards += undefined_values(program, batch, inputs)
         hazards += sine_hashes(program, batch, inputs)
         hazards += divergent(program, batch, inputs, domains)
+        hazards += conflicts(program, batch, inputs)
     if plan.confirm is not None:
         hazards = [plan.confirm(program, hazard) for hazard in hazards]
     return Audit(
@@ -263,7 +266,7 @@ def _rank(
 ) -> list[str]:
     """The inputs that have values of their own, those first without which no output goes wrong."""
     names = [name for name in inputs if len(at[0].each.get(name, ())) == at[0].count]
-    if len(names) < 2:
+    if len(names) < 2 or program.group > 1:
         return names
     some = at[0].part(np.full(_EACH * len(names), at[1]))
     turns = np.arange(_EACH) % others.count

@@ -40,7 +40,11 @@ class InputBatch:
         return InputBatch(each, self.bindings, len(rows))
 
     def rows_with(self, rows: Array, program: Program) -> Array:
-        """Some rows, and where the program uses derivatives those of their quads."""
+        """Some rows, and where the program uses derivatives those of their quads, where it shares
+        variables those of their workgroups."""
+        if program.group > 1:
+            groups = np.arange(self.count) // program.group
+            return np.flatnonzero(np.isin(groups, groups[rows]))
         places = self.each.get("gl_FragCoord")
         if places is None or not asks_for_neighbours(program, self.bindings):
             return rows
@@ -75,8 +79,8 @@ def quads_of(places: Array) -> Array:
 
 
 def asks_for_neighbours(program: Program, bindings: Bindings) -> bool:
-    """Whether invocations depend on their quads: by derivatives, or by mipmaps."""
-    if any(texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()):
+    """Whether invocations depend on others: by derivatives, by mipmaps, or in a workgroup."""
+    if program.group > 1 or any(texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()):
         return True
     return any(one.op in DERIVATIVES for one in program.definitions.values())
 

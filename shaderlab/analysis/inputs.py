@@ -20,7 +20,7 @@ from .batches import InputBatch, join_batches, quads_of
 from .interpreter import Program
 from .interpreter.interpret import interface_name
 from .interpreter.program import INPUTS
-from .interpreter.values import NUMBERS, number_invocations
+from .interpreter.values import NUMBERS, Size, number_invocations
 
 _RANGE = re.compile(r"//.*?\brange:\s*(unit\b|\S+\s*\.\.\s*\S+)")
 # RetroArch's: a name, what it is called, the default, the least and the greatest value.
@@ -361,13 +361,18 @@ _SIDES, _FACE_SIDES = (8, 32), (8, 16)  # of textures; loops over all of a cube'
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
 _BYTES = (0, 1, 0x7F, 0x80, 0xFF)  # of words: ends of what fields in them may hold
 _PIXELS = 64  # in a row
+_FEW_GROUPS = 4
 
 
 def sample_inputs(
-    inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int, seed: int
-) -> InputBatch:
-    """Inputs for `count` invocations, uniforms as well, which differ between them here. Raises
-    NotInterpretedError: there is a texture of a kind that has no formula."""
+    inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int, seed: int,
+    together: Size | None = None,
+) -> InputBatch:  # fmt: skip
+    """Inputs for `count` invocations, uniforms as well, which differ between them here; or between
+    whole workgroups of a size. Raises NotInterpretedError: there is a texture of a kind that has no
+    formula."""
+    group = math.prod(together or (1,))
+    count = max(count // group, _FEW_GROUPS) * group
     rng = np.random.default_rng([19, seed])
     each: dict[str, Array] = {}
     textures: dict[str, Texels] = {}
@@ -389,6 +394,10 @@ def sample_inputs(
     if size is not None:
         groups = rng.integers(0, WORKGROUPS, (count, 3))
         each |= number_invocations(size, groups, rng.integers(0, size, (count, 3)))
+    if together is not None:
+        each = {name: values[np.arange(count) // group * group] for name, values in each.items()}
+        local = np.stack(np.unravel_index(np.arange(count) % group, together[::-1])[::-1], axis=1)
+        each |= number_invocations(together, each.get(NUMBERS[0], 0 * local), local)
     keep_in_order(each, domains)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours

@@ -21,7 +21,7 @@ from .checks import FLOATS, Place, arguments_of, number_of
 from .hazards import Hazard
 from .inputs import Input, InputDomain, smooth_quads
 from .interpreter import Interpreted, Numbers, Program
-from .interpreter.flow import HANDLERS
+from .interpreter.flow import DIVERGENT, HANDLERS, RACE
 from .interpreter.operations import COMPOSITES
 from .interpreter.program import Instruction
 from .interpreter.running import EndlessError, Run, Watch
@@ -32,6 +32,7 @@ _VALUES = (0.21, 3.4)
 _TRIED = (0.37, 41.0, -2.6, 7.5e3)
 _STAND_IN = 0.5
 _MOST_ROWS = 256  # that go wrong, of which one may change an output
+_GLOBAL = (StorageClass.Private, StorageClass.Workgroup)
 _ARGUMENT = "param"  # what glslang calls the copy of an argument
 _INTERFACE = "gl_"  # built-in outputs need no value
 NEEDED = ("gl_FragDepth", "gl_Position")  # but for these, where a shader writes to them at all
@@ -82,9 +83,11 @@ class _Filling:
     def _fill_globals(self, run: Run, state: PathState) -> bool:
         before = len(self.filled)
         for id_, (type_, storage) in run.program.variables.items():
-            if storage == StorageClass.Private and state.memory.get(id_) is None:
+            if storage in _GLOBAL and state.memory.get(id_) is None:
                 self.filled[id_] = None
                 state.memory[id_] = fill_value(null(type_, run.arithmetic), self._value(id_))
+                if id_ in run.shared:
+                    run.shared[id_] = state.memory[id_]
         return len(self.filled) > before
 
     def _value(self, id_: int) -> float:
@@ -244,6 +247,29 @@ def divergent(
         words = words if mipmapped else f"{words}; only if the texture has mipmaps"
         evident, found = mipmapped or at.op not in _SHADOWS, (place, at, batch, row)
         yield hazard_at(program, inputs, found, outputs, words, evident=evident)
+
+
+_CONFLICTS = {
+    (DIVERGENT, Op.ControlBarrier): "not all invocations of a workgroup come to it",
+    (RACE, Op.Load): "what is read here another invocation of the workgroup writes, with no barrier"
+    " between", (RACE, Op.Store): "two invocations of a workgroup write different values",
+}  # fmt: skip
+
+
+def conflicts(
+    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
+) -> Iterator[Hazard]:
+    """What invocations of a workgroup do to each other: barriers that not all come to, and races;
+    what is read in one only where an output depends on it."""
+    if program.group == 1:
+        return
+    for (at, calls, kind), here in run_batch(program, batch).conflicts.items():
+        place, row, outputs = Place(at.id, calls, kind), int(here.argmax()), {}
+        if at.op == Op.Load:
+            row, outputs = find_dependents(program, batch, np.flatnonzero(here), place)
+        if outputs or at.op != Op.Load:
+            words = f"{kind}: {_CONFLICTS.get((kind, Op(at.op)), kind)}"
+            yield hazard_at(program, inputs, (place, at, batch, row), outputs, words)
 
 
 HASH = "sine hash"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer
+from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.exact import as_tri_bool
 from shaderlab.compiler.spirv import Glsl450 as G, Op, StorageClass, type_name
 from shaderlab.errors import NotInterpretedError
@@ -28,7 +28,7 @@ from .operations import (
     compute,
     settle_parts,
 )
-from .program import Function, Instruction
+from .program import INPUTS, Function, Instruction
 from .textures import TEXTURES
 from .values import (
     Flags,
@@ -41,6 +41,7 @@ from .values import (
     format_place,
     known_index,
     replace_part,
+    select,
     undefined,
 )
 
@@ -66,6 +67,12 @@ def _access_chain(run: Run, at: Instruction, state: PathState) -> Pointer:
 def _load(run: Run, at: Instruction, state: PathState) -> Any:
     pointer: Pointer = run.value(at.operands[0])
     value = state.memory.get(pointer.variable)
+    run.note_access(at, pointer, state)
+    if pointer.variable in run.shared and run.for_ranges:  # others may have stored anything
+        return undefined(run.program.types[at.type], run.arithmetic)
+    if value is not run.given.get(pointer.variable, value):
+        name = run.program.name(pointer.variable)
+        raise run.program.not_interpreted(f"{name}, which others may have changed", at.line)
     if value is not None and pointer.path:
         whole, path = value, pointer.path
         if all(isinstance(index, int) for index in path):
@@ -119,6 +126,7 @@ def _write(run: Run, at: Instruction, state: PathState, pointer: Pointer, value:
             old = undefined(type_, run.arithmetic)
         stored = replace_part(old, type_, pointer.path, value, state.mask)
     state.memory[pointer.variable] = stored
+    run.note_access(at, pointer, state)
     name = run.program.name(pointer.variable) if run.trace is not None else ""
     if name or storage in (StorageClass.StorageBuffer, StorageClass.Uniform, StorageClass.Output):
         # A block may have no name of its own.
@@ -148,6 +156,69 @@ def _nothing(run: Run, at: Instruction, state: PathState) -> None:
     """Where paths meet follows from the order of blocks."""
 
 
+RACE, DIVERGENT = "data race", "barrier in divergent control flow"
+
+
+def meet(run: Run, at: Instruction | None, state: PathState) -> None:
+    """Let a workgroup's invocations wait for each other, at a barrier or at the end: each sees then
+    what others have stored. What sees another value than it saw before is in a race."""
+    if run.for_ranges:
+        return
+    groups = state.mask.reshape(-1, run.program.group)
+    if at is not None:
+        whole = groups.all(axis=1).repeat(groups.shape[1])
+        run.note_conflict(at, tuple(run.calls), DIVERGENT, state.mask & ~whole)
+        run.given = run.given or {
+            id_: state.memory.get(id_) for id_, (_, storage) in run.program.variables.items()
+            if storage in INPUTS
+        }  # fmt: skip
+    for id_, before in run.shared.items():
+        own = state.memory.get(id_)
+        if own is None or own is before:
+            continue
+        if before is None:
+            before = undefined(run.program.variables[id_][0], run.arithmetic)
+        merged = state.memory[id_] = _merge(own, before, groups)
+        run.shared[id_] = select(TriBool.of(state.mask[:, None]), merged, before)
+        for access, calls, pointer, mask in run.accesses:
+            if pointer.variable == id_:
+                seen, after = (fetch(value, pointer.path, mask) for value in (own, merged))
+                run.note_conflict(access, calls, RACE, mask & state.mask & ~_same(seen, after))
+    run.accesses = [one for one in run.accesses if (one[3] & ~state.mask).any()]
+
+
+def _merge(own: Value, before: Value, groups: Flags) -> Value:
+    """What each invocation holds (own), with the parts that others of its group have changed; where
+    several have, what the first one stored."""
+    if isinstance(own, tuple):
+        return tuple(_merge(*parts, groups) for parts in zip(own, before, strict=True))
+    if own is before:
+        return own
+    shape = groups.size, *own.shape[1:]
+    new, old = (np.broadcast_to(_array(v), shape).reshape(*groups.shape, -1) for v in (own, before))
+    changed = (new != old) & ((new == new) | (old == old)) & groups[..., None]  # NaN is no change
+    first = np.take_along_axis(new, changed.argmax(axis=1)[:, None], axis=1)
+    merged = np.where(changed.any(axis=1, keepdims=True), first, new).reshape(shape)
+    if isinstance(own, Integer):
+        return Integer(merged, unsigned=own.unsigned)
+    return TriBool.of(merged) if isinstance(own, TriBool) else merged
+
+
+def _array(value: Value) -> Any:
+    if isinstance(value, Integer):
+        return value.lo
+    return value.all_true if isinstance(value, TriBool) else value
+
+
+def _same(a: Value, b: Value) -> Flags:
+    """Where two values are the same."""
+    if isinstance(a, tuple):
+        return np.all([_same(*parts) for parts in zip(a, b, strict=True)], axis=0)
+    x, y = _array(a), _array(b)
+    equal = (x == y) | ((x != x) & (y != y))
+    return np.asarray(equal.reshape(len(equal), -1).all(axis=1))
+
+
 HANDLERS: Mapping[int, Handler] = {
     Op.Undef: lambda run, at, state: undefined(run.program.types[at.type], run.arithmetic),
     Op.FunctionCall: _call, Op.Variable: _variable, Op.Load: _load, Op.Store: _store,
@@ -156,6 +227,7 @@ HANDLERS: Mapping[int, Handler] = {
     Op.CopyObject: lambda run, at, state: run.value(at.operands[0]),
     Op.Phi: lambda run, at, state: state.memory.pop(at.id),
     Op.LoopMerge: _nothing, Op.SelectionMerge: _nothing, Op.MemoryBarrier: _nothing,
+    Op.ControlBarrier: meet,
     **COMPOSITES, **FLOATS, **INTEGERS, **LOGIC, **DERIVATIVES, **TEXTURES,
 }  # fmt: skip
 

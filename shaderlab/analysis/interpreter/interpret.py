@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,9 +20,10 @@ from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Bindings
 
 from .arithmetic import FLOAT32, Arithmetic
-from .program import INPUTS, Program, Type
+from .flow import meet
+from .program import INPUTS, Instruction, Program, Type
 from .running import MAX_BLOCKS, Run, Trace, Watch
-from .values import Flags, Missing, PathState, Value, broadcast, component, undefined
+from .values import NUMBERS, Flags, Missing, PathState, Value, broadcast, component, undefined
 
 
 def memory_of(
@@ -35,8 +36,6 @@ def memory_of(
     reader = _InputReader(each, bindings, arithmetic)
     memory: dict[int, Value] = {}
     for id_, (type_, storage) in program.variables.items():
-        if storage == StorageClass.Workgroup:
-            raise program.not_interpreted(f"{program.name(id_)}, which a workgroup shares", 0)
         if storage in INPUTS:
             memory[id_] = reader.value(type_, interface_name(program, id_))
     return memory
@@ -173,6 +172,8 @@ class Interpreted:
         taken: each two blocks, by their labels, of which an invocation came to one after the other;
             0 comes before a function's first.
         blocks: how many blocks were run.
+        conflicts: by instruction, the lines of its calls, and kind: the invocations to which others
+            of their workgroup do something that GLSL does not define.
     """
 
     outputs: Mapping[str, Any]
@@ -180,6 +181,9 @@ class Interpreted:
     undecided: Mapping[int, Flags]
     taken: Set[tuple[int, int]] = frozenset()
     blocks: int = 0
+    conflicts: Mapping[tuple[Instruction, tuple[int, ...], str], Flags] = field(
+        default_factory=dict
+    )
 
     @property
     def ran(self) -> Set[int]:
@@ -224,10 +228,12 @@ def interpret(
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        return _run(run, memory_of(program, each, bindings, arithmetic), unwritten)
+        return _run(run, memory_of(program, each, bindings, arithmetic), each, unwritten)
 
 
-def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
+def _run(
+    run: Run, memory: dict[int, Value], each: Mapping[str, Array], unwritten: bool
+) -> Interpreted:
     program, count = run.program, run.count
     kinds = [StorageClass.Output] * unwritten + [StorageClass.Private] * run.for_ranges
     for id_, (type_, storage) in program.variables.items():
@@ -236,11 +242,31 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
     for id_, constant in program.module.initialisers.items():
         if program.variables[id_][1] in kinds or isinstance(memory.get(id_), Missing | None):
             memory[id_] = run.value(constant)
+    if program.group > 1 and not run.for_ranges:
+        _require_workgroups(run, each)
+    run.shared = {
+        id_: memory.get(id_) for id_, (_, storage) in program.variables.items()
+        if storage == StorageClass.Workgroup
+    }  # fmt: skip
     end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
+    if end is not None and run.shared:
+        meet(run, None, end)
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     find_outputs = buffers_of if program.stage == "compute" else outputs_of
     return Interpreted(
         outputs={} if end is None else find_outputs(program, end.memory, count),
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
-        undecided=run.undecided, taken=run.taken, blocks=run.blocks,
+        undecided=run.undecided, taken=run.taken, blocks=run.blocks, conflicts=run.conflicts,
     )  # fmt: skip
+
+
+def _require_workgroups(run: Run, each: Mapping[str, Array]) -> None:
+    """Refuse a program that shares variables unless the rows are whole workgroups in order."""
+    index, numbers = each.get(NUMBERS[3]), np.arange(run.count) % run.program.group
+    whole = run.count % run.program.group == 0 and run.arithmetic.rules is None
+    if not whole or index is None or not np.array_equal(np.ravel(index), numbers):
+        names = [
+            run.program.name(id_) for id_, (_, storage) in run.program.variables.items()
+            if storage == StorageClass.Workgroup
+        ]  # fmt: skip
+        raise run.program.not_interpreted(f"{', '.join(names) or 'barrier'}, which a workgroup shares", 0)

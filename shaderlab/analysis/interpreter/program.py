@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import struct
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -246,6 +247,12 @@ class Program:
         """A compute stage's workgroup in x, y and z; one invocation of other stages."""
         x, y, z = (*self.module.modes.get(ExecutionMode.LocalSize, ()), 1, 1, 1)[:3]
         return x, y, z
+
+    @functools.cached_property
+    def group(self) -> int:
+        """How many invocations share variables or wait for each other; 1 if none do."""
+        shares = StorageClass.Workgroup in {storage for _, storage in self.variables.values()}
+        return math.prod(self.local_size) if shares or self.line_of(Op.ControlBarrier) else 1
 
     def line_of(self, op: int) -> int:
         """The first line that has an instruction of this opcode, 0 if none does."""

@@ -184,6 +184,11 @@ class Run:
         taken: each two blocks, by their labels, of which one was run after the other; 0 comes
             before a function's first.
         blocks: how many blocks were run.
+        shared: what a workgroup's variables held when its invocations waited last, by id.
+        accesses: loads and stores of these since then, each with the invocations that did it.
+        given: what buffers held before, once a workgroup has waited.
+        conflicts: by instruction, the lines of its calls, and kind: the invocations to which others
+            of their workgroup do something that GLSL does not define.
     """
 
     program: Program
@@ -205,6 +210,10 @@ class Run:
         self.taken: set[tuple[int, int]] = set()
         self.units: dict[int, tuple[Value, float]] = {}
         self.blocks = 0
+        self.shared: dict[int, Value] = {}
+        self.accesses: list[tuple[Instruction, tuple[int, ...], Pointer, Flags]] = []
+        self.given: dict[int, Value] = {}
+        self.conflicts: dict[tuple[Instruction, tuple[int, ...], str], Flags] = {}
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
@@ -275,6 +284,19 @@ class Run:
     def note_undecided(self, line: int, invocations: Flags) -> None:
         """Note that invocations took both sides of a branch."""
         self.undecided[line] = self.undecided.get(line, False) | invocations
+
+    def note_access(self, at: Instruction, pointer: Pointer, state: PathState) -> None:
+        """Note a load or a store of what a workgroup shares."""
+        if pointer.variable in self.shared:
+            self.accesses.append((at, tuple(self.calls), pointer, state.mask))
+
+    def note_conflict(
+        self, at: Instruction, calls: tuple[int, ...], kind: str, invocations: Flags
+    ) -> None:
+        """Note what others of their workgroup do to invocations."""
+        if invocations.any():
+            known = self.conflicts.get((at, calls, kind), False)
+            self.conflicts[at, calls, kind] = known | invocations
 
     def call(self, function: Function, state: PathState) -> PathState | None:
         """Run a function; the state in which it returns, None if it returns nowhere."""
