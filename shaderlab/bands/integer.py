@@ -393,8 +393,11 @@ def clamp(n: Integer, minimum: Integer, maximum: Integer) -> Integer:
 def select(condition: Any, a: Integer, b: Integer) -> Integer:
     """a where the condition holds, else b; the hull of both where it is undecided."""
     truth = as_tri_bool(condition)
+    rules = a.rules or b.rules or truth.rules
+    if rules is None and a.known and b.known and a.unsigned == b.unsigned:
+        return Integer(np.where(truth.all_true, a.lo, b.lo), unsigned=a.unsigned)
     low = np.where(truth.all_true, a.lo, np.where(truth.all_false, b.lo, np.minimum(a.lo, b.lo)))
     high = np.where(truth.all_true, a.hi, np.where(truth.all_false, b.hi, np.maximum(a.hi, b.hi)))
     flags = (a.anything & ~truth.all_false) | (b.anything & ~truth.all_true)
-    plain = Integer(0, unsigned=a.unsigned, rules=a.rules or b.rules or truth.rules)
+    plain = Integer(0, unsigned=a.unsigned, rules=rules)
     return plain.derive(low, None if np.array_equal(low, high) else high, anything=flags)
