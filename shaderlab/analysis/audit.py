@@ -112,8 +112,9 @@ def search_inputs(
     then in boxes in which it may. The counterexamples, those invocations, ones with the program's
     own numbers, and the boxes."""
     batch = first_batch(program, inputs, domains, plan.count)
+    boxes = 0 if program.group > 1 else _BOXES  # whose points are no whole workgroups
     proof = Proof(
-        program, inputs, domains, tried=[batch], boxes=BOXES if plan.prove else _BOXES * (program.group == 1),
+        program, inputs, domains, tried=[batch], boxes=BOXES if plan.prove else boxes,
         counts=None if plan.prove else lambda some: find_origins(some, inputs, domains) == RANDOM,
     )  # fmt: skip
     found = {place: one for place, one in proof.points.items() if one.watched is not None}
@@ -123,7 +124,9 @@ def search_inputs(
     # range.
     tried, domains = batch, {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
-        failing, own = run_ending([program], find, first_batch(program, inputs, domains, plan.count))
+        failing, own = run_ending(
+            [program], find, first_batch(program, inputs, domains, plan.count)
+        )
         tried = batch if failing is None else own
         for place, one in (failing or {}).items():
             if place not in proof.reached or "0" in place.kind:

@@ -80,7 +80,9 @@ def quads_of(places: Array) -> Array:
 
 def asks_for_neighbours(program: Program, bindings: Bindings) -> bool:
     """Whether invocations depend on others: by derivatives, by mipmaps, or in a workgroup."""
-    if program.group > 1 or any(texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()):
+    if program.group > 1 or any(
+        texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()
+    ):
         return True
     return any(one.op in DERIVATIVES for one in program.definitions.values())
 

@@ -146,7 +146,7 @@ class Watcher:
 
 
 def _is_large(result: Any, here: Flags) -> bool:
-    """Whether it is floats, and one of those of the invocations that are here large or no number."""
+    """Whether it is floats, of which one that concerns those who are here is large or no number."""
     if not isinstance(result, np.ndarray) or (result.max() <= 1e15 and result.min() >= -1e15):
         return False
     return len(result) == 1 or not (np.abs(result[here]) <= 1e15).all()

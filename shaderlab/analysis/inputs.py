@@ -12,7 +12,13 @@ from typing import Literal
 import numpy as np
 
 from shaderlab.compiler.reflection import is_used, leaves, used_paths
-from shaderlab.compiler.spirv import Decoration, StorageClass, type_name, unwrap
+from shaderlab.compiler.spirv import (
+    Decoration,
+    StorageClass,
+    image_channels,
+    type_name,
+    unwrap,
+)
 from shaderlab.errors import NotInterpretedError, UsageError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 
@@ -45,12 +51,14 @@ class Input:
         type: GLSL's name of it: "vec3", "sampler2D".
         uniform: whether all pixels of a quad have the same, as of uniforms and of flat inputs.
         workgroup: of what numbers a compute stage's invocations, the size of their workgroup.
+        channels: the components of an image's texels.
     """
 
     name: str
     type: str
     uniform: bool
     workgroup: tuple[int, int, int] | None = None
+    channels: int = 4
 
     @property
     def whole(self) -> bool:
@@ -83,7 +91,8 @@ def inputs_of(program: Program) -> dict[str, Input]:
                 continue
             for each in _elements(lengths, leaf.name):
                 size = program.local_size if each in NUMBERS else None
-                found[each] = Input(each, type_, uniform, size)
+                channels = image_channels(module, leaf.type)
+                found[each] = Input(each, type_, uniform, size, channels)
     return found
 
 
@@ -283,7 +292,7 @@ def _parse_range(text: str, name: str) -> InputDomain:
 
 def _assume_domain(one: Input) -> InputDomain:
     words = words_of(one.name)
-    if "sampler" in one.type or "texture" in one.type:
+    if re.search("sampler|texture|image", one.type):
         return InputDomain("texture")
     if one.workgroup is not None:
         local = max(one.workgroup) if one.type == "uvec3" else math.prod(one.workgroup)
@@ -550,6 +559,7 @@ def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Genera
     return found.astype(np.float32)
 
 
+_IMAGES = ("2D", "2DArray", "3D")
 # 0 is a texture's side.
 _SHAPES: Mapping[str, tuple[int, ...]] = {
     "1D": (1, 0), "1DArray": (4, 1, 0), "Buffer": (1, 0), "2D": (0, 0), "2DArray": (4, 0, 0),
@@ -560,13 +570,14 @@ _SHAPES: Mapping[str, tuple[int, ...]] = {
 def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     """A small texture; one of normals holds unit vectors, by 0.5 + 0.5 n. With mipmaps, other ones,
     its light may be above 1."""
-    of = one.type.replace("texture", "sampler")
+    is_image = "image" in one.type
+    of = one.type.replace("image" if is_image else "texture", "sampler")
     kind = of.partition("sampler")[2]
     shadow = kind.endswith("Shadow")
     kind = kind.removesuffix("Shadow")
-    if kind not in _SHAPES:
+    if kind not in _SHAPES or (is_image and kind not in _IMAGES):
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
-    side = int(rng.choice(_FACE_SIDES if "Cube" in kind else _SIDES))
+    side = int(rng.choice(_FACE_SIDES if "Cube" in kind else _SIDES)) * (4 if is_image else 1)
     shape = *(size or side for size in _SHAPES[kind]), 4
     values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, shape)
     values[..., -side // 4 :, :] *= np.geomspace(0.2, 0.01, side // 4)[:, None]  # dark columns
@@ -577,8 +588,9 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     if dtype := {"i": np.int32, "u": np.uint32}.get(of[0]):
         values *= 16.0
     filters = ("nearest", "nearest") if dtype or kind == "2DMS" else ("linear", "linear")
-    levels = (2, 4, 8) if kind in ("2D", "2DArray", "Cube") and not shadow else ()
+    levels = (2, 4, 8) if kind in ("2D", "2DArray", "Cube") and not (shadow or is_image) else ()
     smaller = (values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in levels)
+    values = values[..., : one.channels]
     texels = Texels(
         values.astype(dtype or np.float32), filters, ("repeat",) * 3, (0.0,) * 4,
         smaller=tuple(level.astype(dtype or np.float32) for level in smaller),

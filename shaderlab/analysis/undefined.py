@@ -256,9 +256,7 @@ _CONFLICTS = {
 }  # fmt: skip
 
 
-def conflicts(
-    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
-) -> Iterator[Hazard]:
+def conflicts(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> Iterator[Hazard]:
     """What invocations of a workgroup do to each other: barriers that not all come to, and races;
     what is read in one only where an output depends on it."""
     if program.group == 1:

@@ -70,6 +70,13 @@ def buffers_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
     return found
 
 
+def _texels_of(run: Run) -> Iterator[tuple[str, Any]]:
+    """What each invocation stores in images, by name, and where; 0 for what it does not store."""
+    for name, stores in run.texels.items():
+        yield name, tuple(broadcast(value, run.count) for _, _, value in stores)
+        yield f"{name} at", tuple(broadcast(place, run.count) for _, place, _ in stores)
+
+
 def is_buffer(program: Program, id_: int) -> bool:
     """Whether a variable is a storage buffer."""
     pointee, storage = program.module.variables[id_]
@@ -254,7 +261,9 @@ def _run(
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     find_outputs = buffers_of if program.stage == "compute" else outputs_of
     return Interpreted(
-        outputs={} if end is None else find_outputs(program, end.memory, count),
+        outputs={} if end is None else {
+            **find_outputs(program, end.memory, count), **dict(_texels_of(run)),
+        },
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided, taken=run.taken, blocks=run.blocks, conflicts=run.conflicts,
     )  # fmt: skip
@@ -269,4 +278,6 @@ def _require_workgroups(run: Run, each: Mapping[str, Array]) -> None:
             run.program.name(id_) for id_, (_, storage) in run.program.variables.items()
             if storage == StorageClass.Workgroup
         ]  # fmt: skip
-        raise run.program.not_interpreted(f"{', '.join(names) or 'barrier'}, which a workgroup shares", 0)
+        raise run.program.not_interpreted(
+            f"{', '.join(names) or 'barrier'}, which a workgroup shares", 0
+        )

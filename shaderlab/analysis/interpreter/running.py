@@ -187,6 +187,10 @@ class Run:
         shared: what a workgroup's variables held when its invocations waited last, by id.
         accesses: loads and stores of these since then, each with the invocations that did it.
         given: what buffers held before, once a workgroup has waited.
+        texels: what is stored in images, by their names: for each of an invocation's stores who
+            does it, where, and what.
+        texels: by image, what is stored in it, as often as an invocation does: for whom, where,
+            and what.
         conflicts: by instruction, the lines of its calls, and kind: the invocations to which others
             of their workgroup do something that GLSL does not define.
     """
@@ -213,6 +217,8 @@ class Run:
         self.shared: dict[int, Value] = {}
         self.accesses: list[tuple[Instruction, tuple[int, ...], Pointer, Flags]] = []
         self.given: dict[int, Value] = {}
+        self.texels: dict[str, list[tuple[Flags, Value, Value]]] = {}
+        self.texels: dict[str, list[tuple[Flags, Value, Value]]] = {}
         self.conflicts: dict[tuple[Instruction, tuple[int, ...], str], Flags] = {}
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules, TriBool
-from shaderlab.compiler.spirv import Op
+from shaderlab.compiler.spirv import Op, image_channels
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath import sampling
 from shaderlab.glslmath.sampling import Sampler
@@ -29,7 +29,7 @@ from shaderlab.model.frame import Array, Texels
 
 from .operations import Handler, derivative
 from .program import Instruction, Type
-from .values import Flags, PathState, component, compose, select, undefined
+from .values import Flags, PathState, component, compose, format_place, select, undefined
 
 if TYPE_CHECKING:
     from .running import Run
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 _CODE = 1.0 / 255.0
 # Half a code off (Direct3D 11.3, functional specification, 3.2.3.7), where the curve is steepest.
 _SRGB = 0.5 * _CODE * 2.4 / 1.055
+_MOST_STORES = 256  # of an invocation
 _NARROW = 1.0 - 4.0 * WEIGHT  # of a place or a level, in texels or levels
 
 
@@ -335,6 +336,52 @@ def _fetch(run: Run, at: Instruction, state: PathState) -> Any:
     return run.arithmetic.rounded(np.where(outside[:, None], 0.0, found))
 
 
+def _read_image(run: Run, at: Instruction, state: PathState) -> Any:
+    """A texel of an image that nothing was stored in: what others store is not known here."""
+    if run.for_ranges:
+        return undefined(run.program.types[at.type], run.arithmetic)
+    name = _image_name(run, at)
+    for here, _, _ in run.texels.get(name, ()):
+        if run.given or (here & state.mask).any():
+            raise FormulaError(f"imageLoad of {name}, in which texels are stored before,")
+    image, place = run.values(at.operands[:2])
+    return run.arithmetic.rounded(sampling.imageLoad(Sampler(image, run.arithmetic.rules), place))
+
+
+def _write_image(run: Run, at: Instruction, state: PathState) -> None:
+    """Keep an invocation's store beside its others, wherever it lies."""
+    name, (place, value) = _image_name(run, at), run.values(at.operands[1:3])
+    image = run.program.definitions[at.operands[0]].type
+    value = value[..., : image_channels(run.program.module, image)]
+    run.trace_stored(at, name, value, state)
+    kept, mask = run.texels.setdefault(name, []), state.mask
+    here = TriBool.of(mask[:, None])
+    number = next((n for n in range(len(kept), 0, -1) if (kept[n - 1][0] & mask).any()), 0)
+    if number < len(kept):
+        before, *old = kept[number]
+        place, value = (select(here, *pair) for pair in zip((place, value), old, strict=True))
+        kept[number] = before | mask, place, value
+    elif number < _MOST_STORES:
+        nothing = place.derive(0 * place.lo), _zero(run, value)
+        place, value = (select(here, *pair) for pair in zip((place, value), nothing, strict=True))
+        kept.append((mask, place, value))
+    else:
+        raise FormulaError(f"more than {_MOST_STORES} stores in {name}")
+
+
+def _zero(run: Run, value: Any) -> Any:
+    if isinstance(value, Integer):
+        return value.derive(0 * value.lo)
+    return run.arithmetic.exact(np.zeros((1, value.shape[-1])))
+
+
+def _image_name(run: Run, at: Instruction) -> str:
+    """The image that an instruction reads or writes, as GLSL writes it."""
+    pointer = run.value(run.program.definitions[at.operands[0]].operands[0])
+    type_, _ = run.program.variables[pointer.variable]
+    return format_place(run.program.name(pointer.variable), type_, pointer.path)
+
+
 def _gather(*, compared: bool) -> Handler:
     def handler(run: Run, at: Instruction, state: PathState) -> Any:
         texels: Texels = run.value(at.operands[0])
@@ -429,5 +476,7 @@ def _look_up(handler: Handler) -> Handler:
 TEXTURES: Mapping[int, Handler] = {
     Op.SampledImage: _image,
     Op.Image: _image,
+    Op.ImageRead: _read_image,
+    Op.ImageWrite: _write_image,
     **{op: _look_up(handler) for op, handler in LOOKUPS.items()},
 }
