@@ -374,9 +374,12 @@ _FEW_GROUPS = 4
 
 
 def sample_inputs(
-    inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int, seed: int,
+    inputs: Mapping[str, Input],
+    domains: Mapping[str, InputDomain],
+    count: int,
+    seed: int,
     together: Size | None = None,
-) -> InputBatch:  # fmt: skip
+) -> InputBatch:
     """Inputs for `count` invocations, uniforms as well, which differ between them here; or between
     whole workgroups of a size. Raises NotInterpretedError: there is a texture of a kind that has no
     formula."""

@@ -21,7 +21,7 @@ from .checks import FLOATS, Place, arguments_of, number_of
 from .hazards import Hazard
 from .inputs import Input, InputDomain, smooth_quads
 from .interpreter import Interpreted, Numbers, Program
-from .interpreter.flow import DIVERGENT, HANDLERS, RACE
+from .interpreter.flow import HANDLERS
 from .interpreter.operations import COMPOSITES
 from .interpreter.program import Instruction
 from .interpreter.running import EndlessError, Run, Watch
@@ -32,7 +32,6 @@ _VALUES = (0.21, 3.4)
 _TRIED = (0.37, 41.0, -2.6, 7.5e3)
 _STAND_IN = 0.5
 _MOST_ROWS = 256  # that go wrong, of which one may change an output
-_GLOBAL = (StorageClass.Private, StorageClass.Workgroup)
 _ARGUMENT = "param"  # what glslang calls the copy of an argument
 _INTERFACE = "gl_"  # built-in outputs need no value
 NEEDED = ("gl_FragDepth", "gl_Position")  # but for these, where a shader writes to them at all
@@ -83,7 +82,10 @@ class _Filling:
     def _fill_globals(self, run: Run, state: PathState) -> bool:
         before = len(self.filled)
         for id_, (type_, storage) in run.program.variables.items():
-            if storage in _GLOBAL and state.memory.get(id_) is None:
+            if id_ not in run.program.module.initialisers and (
+                id_ in run.shared
+                or (storage == StorageClass.Private and state.memory.get(id_) is None)
+            ):
                 self.filled[id_] = None
                 state.memory[id_] = fill_value(null(type_, run.arithmetic), self._value(id_))
                 if id_ in run.shared:
@@ -250,24 +252,20 @@ def divergent(
 
 
 _CONFLICTS = {
-    (DIVERGENT, Op.ControlBarrier): "not all invocations of a workgroup come to it",
-    (RACE, Op.Load): "what is read here another invocation of the workgroup writes, with no barrier"
-    " between", (RACE, Op.Store): "two invocations of a workgroup write different values",
-}  # fmt: skip
+    Op.ControlBarrier: "not all invocations of a workgroup come to it",
+    Op.Load: "another invocation of the workgroup writes what this reads, with no barrier between",
+    Op.Store: "two invocations of a workgroup write different values",
+}
 
 
 def conflicts(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> Iterator[Hazard]:
-    """What invocations of a workgroup do to each other: barriers that not all come to, and races;
-    what is read in one only where an output depends on it."""
-    if program.group == 1:
-        return
-    for (at, calls, kind), here in run_batch(program, batch).conflicts.items():
-        place, row, outputs = Place(at.id, calls, kind), int(here.argmax()), {}
-        if at.op == Op.Load:
-            row, outputs = find_dependents(program, batch, np.flatnonzero(here), place)
-        if outputs or at.op != Op.Load:
-            words = f"{kind}: {_CONFLICTS.get((kind, Op(at.op)), kind)}"
-            yield hazard_at(program, inputs, (place, at, batch, row), outputs, words)
+    """What invocations of a workgroup do to each other: barriers that not all come to, and races,
+    whether an output depends on them or not."""
+    found = run_batch(program, batch).conflicts if program.group > 1 else {}
+    for (at, calls, kind), here in found.items():
+        if here.any():
+            place, words = Place(at.id, calls, kind), f"{kind}: {_CONFLICTS[Op(at.op)]}"
+            yield hazard_at(program, inputs, (place, at, batch, int(here.argmax())), {}, words)
 
 
 HASH = "sine hash"

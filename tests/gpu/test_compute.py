@@ -25,13 +25,17 @@ from shaderlab import (
     measure,
     value,
 )
+from shaderlab.analysis.interpreter import Program, interpret, load
+from shaderlab.analysis.interpreter.values import number_invocations
 from shaderlab.analysis.invocations import sample_fragments
 from shaderlab.analysis.self_check import SelfCheck
+from shaderlab.compiler import Shaders
 from shaderlab.drivers import Backend
 from shaderlab.drivers.opengl import drawing as dispatch
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
+from shaderlab.model.frame import Bindings, Texels
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.mutation.judging import Judge
@@ -417,3 +421,59 @@ def test_a_dispatch_is_a_pass_of_its_own() -> None:
         Draw(fragment="t.frag", domain={}, buffers={"a": 0})
     with pytest.raises(CaseError, match="give a fragment shader, or a compute shader"):
         Draw()
+
+
+# The interpreter ------------------------------------------------------------------------------
+
+
+def test_what_workgroups_compute_is_what_the_interpreter_says(
+    lab: SceneRunner, repository: Path, tmp_path: Path
+) -> None:
+    rng = np.random.default_rng(3)
+    shaders = Shaders([repository / "shaders"])
+    scan, fft = (
+        load(shaders.load(f"ch15_beyond/{name}.comp", "compute")) for name in ("scan", "fft")
+    )
+    given = rng.integers(0, 1000, 256)
+    each = {**workgroup(scan, 0), "numbers": given[None], "sums": np.zeros((1, 256))}
+    summed = interpret(scan, each).outputs["sums"]
+    sums = np.array([summed[k].lo[k, 0] for k in range(256)])
+    assert np.array_equal(sums, np.cumsum(given))
+
+    def sums_differ(sums: Any) -> float:
+        return float(np.abs(np.ravel(sums) - expected).max())
+
+    expected, figure = sums, measure("differ", sums_differ, equals=0, digits=0)
+    buffers = {"numbers": given, "sums": np.zeros(256)}
+    assert passed(run(lab, case_of(tmp_path, scan.source.text, figure, buffers=buffers)))
+
+    before = rng.random((128, 128, 2), np.float32)
+    turns = np.exp(-2j * np.pi * np.arange(64) / 128)
+    uniforms = {"upright": False, "roots": np.stack([turns.real, turns.imag], 1).astype(np.float32)}
+    texels = Texels(before, ("nearest",) * 2, ("clamp_to_edge",) * 3, (0.0,) * 4, format="rg32f")
+    bindings = Bindings(uniforms=uniforms, textures={"before": texels, "after": texels})
+    found = interpret(fft, workgroup(fft, 5), bindings).outputs
+    line = np.zeros((128, 2), np.float32)
+    for values, places in zip(found["after"], found["after at"], strict=True):
+        assert (places.lo[:, 1] == 5).all()
+        line[places.lo[:, 0]] = values
+    whole = np.fft.fft(before[5, :, 0] + 1j * before[5, :, 1])
+    assert np.allclose(line[:, 0] + 1j * line[:, 1], whole, atol=1e-4)
+
+    def lines_differ(after: Any) -> float:
+        return float(np.abs(np.asarray(after).reshape(128, 128, 2)[5] - line).max())
+
+    figure = measure("differ", lines_differ, at_most=1e-4)
+    images = {"before": before, "after": np.zeros((128, 128, 2))}
+    case = case_of(
+        tmp_path, fft.source.text, figure, groups=(128, 1, 1), uniforms=uniforms, images=images
+    )
+    assert passed(run(lab, case))
+
+
+def workgroup(program: Program, number: int) -> dict[str, Any]:
+    """What numbers the invocations of a workgroup in x."""
+    size = program.local_size
+    local = np.zeros((size[0], 3), np.int64)
+    local[:, 0] = np.arange(size[0])
+    return number_invocations(size, np.tile([number, 0, 0], (size[0], 1)), local)

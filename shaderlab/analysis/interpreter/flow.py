@@ -28,7 +28,7 @@ from .operations import (
     compute,
     settle_parts,
 )
-from .program import INPUTS, Function, Instruction
+from .program import Function, Instruction
 from .textures import TEXTURES
 from .values import (
     Flags,
@@ -67,11 +67,12 @@ def _access_chain(run: Run, at: Instruction, state: PathState) -> Pointer:
 def _load(run: Run, at: Instruction, state: PathState) -> Any:
     pointer: Pointer = run.value(at.operands[0])
     value = state.memory.get(pointer.variable)
-    run.note_access(at, pointer, state)
-    if pointer.variable in run.shared and run.for_ranges:  # others may have stored anything
-        return undefined(run.program.types[at.type], run.arithmetic)
-    if value is not run.given.get(pointer.variable, value):
-        name = run.program.name(pointer.variable)
+    if pointer.variable in run.shared:
+        if run.for_ranges:  # others may have stored anything
+            return undefined(run.program.types[at.type], run.arithmetic)
+        run.accesses.append((at, tuple(run.calls), pointer, state.mask))
+    elif run.waited and value is not run.given.get(pointer.variable, value):
+        name = type_name(run.program.module, run.program.module.variables[pointer.variable][0])
         raise run.program.not_interpreted(f"{name}, which others may have changed", at.line)
     if value is not None and pointer.path:
         whole, path = value, pointer.path
@@ -126,7 +127,8 @@ def _write(run: Run, at: Instruction, state: PathState, pointer: Pointer, value:
             old = undefined(type_, run.arithmetic)
         stored = replace_part(old, type_, pointer.path, value, state.mask)
     state.memory[pointer.variable] = stored
-    run.note_access(at, pointer, state)
+    if pointer.variable in run.shared:
+        run.accesses.append((at, tuple(run.calls), pointer, state.mask))
     name = run.program.name(pointer.variable) if run.trace is not None else ""
     if name or storage in (StorageClass.StorageBuffer, StorageClass.Uniform, StorageClass.Output):
         # A block may have no name of its own.
@@ -167,23 +169,18 @@ def meet(run: Run, at: Instruction | None, state: PathState) -> None:
     groups = state.mask.reshape(-1, run.program.group)
     if at is not None:
         whole = groups.all(axis=1).repeat(groups.shape[1])
-        run.note_conflict(at, tuple(run.calls), DIVERGENT, state.mask & ~whole)
-        run.given = run.given or {
-            id_: state.memory.get(id_) for id_, (_, storage) in run.program.variables.items()
-            if storage in INPUTS
-        }  # fmt: skip
+        run.conflicts[at, tuple(run.calls), DIVERGENT] |= state.mask & ~whole
+        run.waited = True
     for id_, before in run.shared.items():
-        own = state.memory.get(id_)
-        if own is None or own is before:
+        own = state.memory[id_]
+        if own is before:
             continue
-        if before is None:
-            before = undefined(run.program.variables[id_][0], run.arithmetic)
         merged = state.memory[id_] = _merge(own, before, groups)
         run.shared[id_] = select(TriBool.of(state.mask[:, None]), merged, before)
         for access, calls, pointer, mask in run.accesses:
             if pointer.variable == id_:
                 seen, after = (fetch(value, pointer.path, mask) for value in (own, merged))
-                run.note_conflict(access, calls, RACE, mask & state.mask & ~_same(seen, after))
+                run.conflicts[access, calls, RACE] |= mask & state.mask & ~_same(seen, after)
     run.accesses = [one for one in run.accesses if (one[3] & ~state.mask).any()]
 
 
@@ -210,13 +207,13 @@ def _array(value: Value) -> Any:
     return value.all_true if isinstance(value, TriBool) else value
 
 
-def _same(a: Value, b: Value) -> Flags:
+def _same(a: Value, b: Value) -> Any:
     """Where two values are the same."""
     if isinstance(a, tuple):
         return np.all([_same(*parts) for parts in zip(a, b, strict=True)], axis=0)
     x, y = _array(a), _array(b)
     equal = (x == y) | ((x != x) & (y != y))
-    return np.asarray(equal.reshape(len(equal), -1).all(axis=1))
+    return equal.reshape(len(equal), -1).all(axis=1)
 
 
 HANDLERS: Mapping[int, Handler] = {

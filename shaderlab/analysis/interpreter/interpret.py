@@ -21,8 +21,8 @@ from shaderlab.model.frame import Array, Bindings
 
 from .arithmetic import FLOAT32, Arithmetic
 from .flow import meet
-from .program import INPUTS, Instruction, Program, Type
-from .running import MAX_BLOCKS, Run, Trace, Watch
+from .program import INPUTS, Program, Type
+from .running import MAX_BLOCKS, Conflict, Run, Trace, Watch
 from .values import NUMBERS, Flags, Missing, PathState, Value, broadcast, component, undefined
 
 
@@ -68,13 +68,6 @@ def buffers_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
                 if not _is_missing(part):
                     found[f"{name}.{member}" if name else member] = broadcast(part, count)
     return found
-
-
-def _texels_of(run: Run) -> Iterator[tuple[str, Any]]:
-    """What each invocation stores in images, by name, and where; 0 for what it does not store."""
-    for name, stores in run.texels.items():
-        yield name, tuple(broadcast(value, run.count) for _, _, value in stores)
-        yield f"{name} at", tuple(broadcast(place, run.count) for _, place, _ in stores)
 
 
 def is_buffer(program: Program, id_: int) -> bool:
@@ -179,8 +172,7 @@ class Interpreted:
         taken: each two blocks, by their labels, of which an invocation came to one after the other;
             0 comes before a function's first.
         blocks: how many blocks were run.
-        conflicts: by instruction, the lines of its calls, and kind: the invocations to which others
-            of their workgroup do something that GLSL does not define.
+        conflicts: the invocations to which others of their workgroup do what GLSL does not define.
     """
 
     outputs: Mapping[str, Any]
@@ -188,9 +180,7 @@ class Interpreted:
     undecided: Mapping[int, Flags]
     taken: Set[tuple[int, int]] = frozenset()
     blocks: int = 0
-    conflicts: Mapping[tuple[Instruction, tuple[int, ...], str], Flags] = field(
-        default_factory=dict
-    )
+    conflicts: Mapping[Conflict, Flags] = field(default_factory=dict)
 
     @property
     def ran(self) -> Set[int]:
@@ -242,42 +232,32 @@ def _run(
     run: Run, memory: dict[int, Value], each: Mapping[str, Array], unwritten: bool
 ) -> Interpreted:
     program, count = run.program, run.count
-    kinds = [StorageClass.Output] * unwritten + [StorageClass.Private] * run.for_ranges
+    run.given = dict(memory)
+    shared = StorageClass.Workgroup
+    kinds = [shared, *[StorageClass.Output] * unwritten, *[StorageClass.Private] * run.for_ranges]
     for id_, (type_, storage) in program.variables.items():
         if storage in kinds:
             memory[id_] = undefined(type_, run.arithmetic)
     for id_, constant in program.module.initialisers.items():
         if program.variables[id_][1] in kinds or isinstance(memory.get(id_), Missing | None):
             memory[id_] = run.value(constant)
+    run.shared = {v: memory[v] for v, (_, kind) in program.variables.items() if kind == shared}
     if program.group > 1 and not run.for_ranges:
-        _require_workgroups(run, each)
-    run.shared = {
-        id_: memory.get(id_) for id_, (_, storage) in program.variables.items()
-        if storage == StorageClass.Workgroup
-    }  # fmt: skip
+        numbers, index = np.arange(count) % program.group, np.ravel(each.get(NUMBERS[3], ()))
+        if run.arithmetic.rules or count % program.group or not np.array_equal(index, numbers):
+            names = ", ".join(map(program.name, run.shared)) or "barrier()"
+            raise program.not_interpreted(f"{names}, which a workgroup shares", 0)
     end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
     if end is not None and run.shared:
         meet(run, None, end)
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     find_outputs = buffers_of if program.stage == "compute" else outputs_of
+    outputs = {} if end is None else find_outputs(program, end.memory, count)
+    for name, stores in run.texels.items():
+        outputs[name] = tuple(broadcast(value, count) for _, _, value in stores)
+        outputs[f"{name} at"] = tuple(broadcast(place, count) for _, place, _ in stores)
     return Interpreted(
-        outputs={} if end is None else {
-            **find_outputs(program, end.memory, count), **dict(_texels_of(run)),
-        },
+        outputs=outputs,
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided, taken=run.taken, blocks=run.blocks, conflicts=run.conflicts,
     )  # fmt: skip
-
-
-def _require_workgroups(run: Run, each: Mapping[str, Array]) -> None:
-    """Refuse a program that shares variables unless the rows are whole workgroups in order."""
-    index, numbers = each.get(NUMBERS[3]), np.arange(run.count) % run.program.group
-    whole = run.count % run.program.group == 0 and run.arithmetic.rules is None
-    if not whole or index is None or not np.array_equal(np.ravel(index), numbers):
-        names = [
-            run.program.name(id_) for id_, (_, storage) in run.program.variables.items()
-            if storage == StorageClass.Workgroup
-        ]  # fmt: skip
-        raise run.program.not_interpreted(
-            f"{', '.join(names) or 'barrier'}, which a workgroup shares", 0
-        )

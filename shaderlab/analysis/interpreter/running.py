@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
@@ -163,6 +164,8 @@ class EndlessError(NotInterpretedError):
     invocations: Flags = np.zeros(0, np.bool_)
 
 
+Conflict = tuple[Instruction, tuple[int, ...], str]
+"""An instruction, the lines of its calls, and what happens between invocations."""
 Watch = Callable[["Run", Instruction, PathState, Value], Value]
 """Called after each instruction but the last of a block, with its result; returns the result that
 counts."""
@@ -186,13 +189,13 @@ class Run:
         blocks: how many blocks were run.
         shared: what a workgroup's variables held when its invocations waited last, by id.
         accesses: loads and stores of these since then, each with the invocations that did it.
-        given: what buffers held before, once a workgroup has waited.
+        given: what the program's interface holds at first, by id.
+        waited: whether an invocation came to a barrier.
         texels: what is stored in images, by their names: for each of an invocation's stores who
             does it, where, and what.
         texels: by image, what is stored in it, as often as an invocation does: for whom, where,
             and what.
-        conflicts: by instruction, the lines of its calls, and kind: the invocations to which others
-            of their workgroup do something that GLSL does not define.
+        conflicts: the invocations to which others of their workgroup do what GLSL does not define.
     """
 
     program: Program
@@ -217,9 +220,9 @@ class Run:
         self.shared: dict[int, Value] = {}
         self.accesses: list[tuple[Instruction, tuple[int, ...], Pointer, Flags]] = []
         self.given: dict[int, Value] = {}
+        self.waited = False
         self.texels: dict[str, list[tuple[Flags, Value, Value]]] = {}
-        self.texels: dict[str, list[tuple[Flags, Value, Value]]] = {}
-        self.conflicts: dict[tuple[Instruction, tuple[int, ...], str], Flags] = {}
+        self.conflicts = defaultdict[Conflict, Flags](lambda: np.zeros(self.count, np.bool_))
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
@@ -290,19 +293,6 @@ class Run:
     def note_undecided(self, line: int, invocations: Flags) -> None:
         """Note that invocations took both sides of a branch."""
         self.undecided[line] = self.undecided.get(line, False) | invocations
-
-    def note_access(self, at: Instruction, pointer: Pointer, state: PathState) -> None:
-        """Note a load or a store of what a workgroup shares."""
-        if pointer.variable in self.shared:
-            self.accesses.append((at, tuple(self.calls), pointer, state.mask))
-
-    def note_conflict(
-        self, at: Instruction, calls: tuple[int, ...], kind: str, invocations: Flags
-    ) -> None:
-        """Note what others of their workgroup do to invocations."""
-        if invocations.any():
-            known = self.conflicts.get((at, calls, kind), False)
-            self.conflicts[at, calls, kind] = known | invocations
 
     def call(self, function: Function, state: PathState) -> PathState | None:
         """Run a function; the state in which it returns, None if it returns nowhere."""

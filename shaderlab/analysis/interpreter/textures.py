@@ -342,7 +342,7 @@ def _read_image(run: Run, at: Instruction, state: PathState) -> Any:
         return undefined(run.program.types[at.type], run.arithmetic)
     name = _image_name(run, at)
     for here, _, _ in run.texels.get(name, ()):
-        if run.given or (here & state.mask).any():
+        if run.waited or (here & state.mask).any():
             raise FormulaError(f"imageLoad of {name}, in which texels are stored before,")
     image, place = run.values(at.operands[:2])
     return run.arithmetic.rounded(sampling.imageLoad(Sampler(image, run.arithmetic.rules), place))
@@ -356,23 +356,17 @@ def _write_image(run: Run, at: Instruction, state: PathState) -> None:
     run.trace_stored(at, name, value, state)
     kept, mask = run.texels.setdefault(name, []), state.mask
     here = TriBool.of(mask[:, None])
-    number = next((n for n in range(len(kept), 0, -1) if (kept[n - 1][0] & mask).any()), 0)
-    if number < len(kept):
-        before, *old = kept[number]
-        place, value = (select(here, *pair) for pair in zip((place, value), old, strict=True))
-        kept[number] = before | mask, place, value
-    elif number < _MOST_STORES:
-        nothing = place.derive(0 * place.lo), _zero(run, value)
-        place, value = (select(here, *pair) for pair in zip((place, value), nothing, strict=True))
-        kept.append((mask, place, value))
-    else:
-        raise FormulaError(f"more than {_MOST_STORES} stores in {name}")
-
-
-def _zero(run: Run, value: Any) -> Any:
-    if isinstance(value, Integer):
-        return value.derive(0 * value.lo)
-    return run.arithmetic.exact(np.zeros((1, value.shape[-1])))
+    number = max((n for n, one in enumerate(kept, 1) if (one[0] & mask).any()), default=0)
+    if number == _MOST_STORES:
+        raise FormulaError(f"more than {number} stores in {name}")
+    if number == len(kept):
+        nothing = value.derive(0 * value.lo) if isinstance(value, Integer) else None
+        if nothing is None:
+            nothing = run.arithmetic.exact(np.zeros((1, value.shape[-1])))
+        kept.append((np.zeros_like(mask), place.derive(0 * place.lo), nothing))
+    before, *old = kept[number]
+    place, value = (select(here, *pair) for pair in zip((place, value), old, strict=True))
+    kept[number] = before | mask, place, value
 
 
 def _image_name(run: Run, at: Instruction) -> str:
