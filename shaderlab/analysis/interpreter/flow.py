@@ -71,7 +71,7 @@ def _load(run: Run, at: Instruction, state: PathState) -> Any:
         if run.for_ranges:  # others may have stored anything
             return undefined(run.program.types[at.type], run.arithmetic)
         run.accesses.append((at, tuple(run.calls), pointer, state.mask))
-    elif run.waited and value is not run.given.get(pointer.variable, value):
+    elif pointer.variable in run.stale:
         name = type_name(run.program.module, run.program.module.variables[pointer.variable][0])
         raise run.program.not_interpreted(f"{name}, which others may have changed", at.line)
     if value is not None and pointer.path:
@@ -164,13 +164,15 @@ RACE, DIVERGENT = "data race", "barrier in divergent control flow"
 def meet(run: Run, at: Instruction | None, state: PathState) -> None:
     """Let a workgroup's invocations wait for each other, at a barrier or at the end: each sees then
     what others have stored. What sees another value than it saw before is in a race."""
+    if at is not None:
+        changed = (v for v, first in run.given.items() if state.memory[v] is not first)
+        run.stale.update(run.texels, changed)
     if run.for_ranges:
         return
     groups = state.mask.reshape(-1, run.program.group)
     if at is not None:
         whole = groups.all(axis=1).repeat(groups.shape[1])
         run.conflicts[at, tuple(run.calls), DIVERGENT] |= state.mask & ~whole
-        run.waited = True
     for id_, before in run.shared.items():
         own = state.memory[id_]
         if own is before:

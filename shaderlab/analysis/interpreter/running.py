@@ -190,7 +190,7 @@ class Run:
         shared: what a workgroup's variables held when its invocations waited last, by id.
         accesses: loads and stores of these since then, each with the invocations that did it.
         given: what the program's interface holds at first, by id.
-        waited: whether an invocation came to a barrier.
+        stale: buffers, and images by name, in which something was stored before a barrier.
         texels: what is stored in images, by their names: for each of an invocation's stores who
             does it, where, and what.
         texels: by image, what is stored in it, as often as an invocation does: for whom, where,
@@ -220,7 +220,7 @@ class Run:
         self.shared: dict[int, Value] = {}
         self.accesses: list[tuple[Instruction, tuple[int, ...], Pointer, Flags]] = []
         self.given: dict[int, Value] = {}
-        self.waited = False
+        self.stale: set[int | str] = set()
         self.texels: dict[str, list[tuple[Flags, Value, Value]]] = {}
         self.conflicts = defaultdict[Conflict, Flags](lambda: np.zeros(self.count, np.bool_))
         self._reads: list[Value] = []

@@ -341,9 +341,8 @@ def _read_image(run: Run, at: Instruction, state: PathState) -> Any:
     if run.for_ranges:
         return undefined(run.program.types[at.type], run.arithmetic)
     name = _image_name(run, at)
-    for here, _, _ in run.texels.get(name, ()):
-        if run.waited or (here & state.mask).any():
-            raise FormulaError(f"imageLoad of {name}, in which texels are stored before,")
+    if name in run.stale or any((one[0] & state.mask).any() for one in run.texels.get(name, ())):
+        raise FormulaError(f"imageLoad of {name}, in which texels are stored before,")
     image, place = run.values(at.operands[:2])
     return run.arithmetic.rounded(sampling.imageLoad(Sampler(image, run.arithmetic.rules), place))
 
