@@ -15,14 +15,9 @@ _WHY = {"coverage": ", where only one discards", "definedness": ", where only on
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """How two programs are compared.
-
-    Attributes:
-        ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        rounds: how many batches of inputs are generated, or captured ones varied.
-        count: invocations in each that is generated.
-        accuracy: whether to compare the accuracy of both by their bands.
-    """
+    """How two programs are compared: `ranges` has "a..b", "a:b" or "unit" for inputs, by name,
+    `rounds` says how many batches of `count` inputs are generated, or captured ones varied, and
+    `accuracy` whether to compare the accuracy of both by their bands."""
 
     ranges: Mapping[str, str] = field(default_factory=dict)
     rounds: int = 5
@@ -47,14 +42,10 @@ class Cost:
 
 @dataclass(frozen=True, kw_only=True)
 class Numerics:
-    """How the accuracy of an output changes, by the widths of its bands, in ULP of its value.
-
-    Attributes:
-        worse, better: how many ULP the new program loses or gains where it does most.
-        near: the inputs there, of whichever is more.
-        costs: the costliest operation of the old program that the new one has not, and the other
-            way around.
-    """
+    """How the accuracy of an output changes, by the widths of its bands, in ULP of its value: how
+    many the new program loses or gains where it does most, the inputs there, of whichever is more,
+    and the costliest operation of the old program that the new one has not, and the other way
+    around."""
 
     worse: float
     better: float
@@ -148,12 +139,8 @@ class OutputAnswer:
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What a comparison found.
-
-    Attributes:
-        notes: what else a reader should know: inputs that only one program has.
-        inputs: what each input was given, in words, by name.
-    """
+    """What a comparison found; `notes` are what else a reader should know, such as inputs that only
+    one program has, `inputs` what each was given, in words, by name."""
 
     old: str
     new: str

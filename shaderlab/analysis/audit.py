@@ -31,8 +31,8 @@ from .batches import (
 from .checks import INDEX, LEVEL, OVERFLOW, SIZES, TEXEL, Place, WatchedInstruction, Watcher
 from .hazards import Audit as Audit, Claim, Hazard as Hazard, Plan as Plan
 from .inputs import (
-    Input,
-    InputDomain,
+    Domains,
+    Inputs,
     add_constants,
     add_mipmaps,
     coarsen_textures,
@@ -65,18 +65,14 @@ _BOXES = 4096
 _DRAWN_BOXES = 1536
 
 
-def first_batch(
-    program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int
-) -> InputBatch:
+def first_batch(program: Program, inputs: Inputs, domains: Domains, count: int) -> InputBatch:
     """Random invocations. Textures hold 0 and 1 here and there."""
     together = program.local_size if program.group > 1 else None
     batch = sample_inputs(inputs, domains, count, 0, together)
     return replace(batch, bindings=coarsen_textures(batch.bindings, domains))
 
 
-def find_origins(
-    batch: InputBatch, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]
-) -> Array:
+def find_origins(batch: InputBatch, inputs: Inputs, domains: Domains) -> Array:
     """What is special about each invocation, (count,), where the author has not said that it may
     be: a place is 0, or its w is, or two places are equal."""
     places = [
@@ -106,7 +102,7 @@ def find_failing(
 
 
 def search_inputs(
-    program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], plan: Plan
+    program: Program, inputs: Inputs, domains: Domains, plan: Plan
 ) -> tuple[dict[Place, Point], InputBatch, InputBatch, Proof]:
     """Try to make every instruction of a program go wrong: on random invocations and special ones,
     then in boxes in which it may. The counterexamples, those invocations, ones with the program's
@@ -124,9 +120,8 @@ def search_inputs(
     # range.
     tried, domains = batch, {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
-        failing, own = run_ending(
-            [program], find, first_batch(program, inputs, domains, plan.count)
-        )
+        other = first_batch(program, inputs, domains, plan.count)
+        failing, own = run_ending([program], find, other)
         tried = batch if failing is None else own
         for place, one in (failing or {}).items():
             if place not in proof.reached or "0" in place.kind:
@@ -191,11 +186,7 @@ def audit_program(
 
 
 def prove_between_draws(
-    program: Program,
-    inputs: Mapping[str, Input],
-    captured: Sequence[InputBatch],
-    *,
-    at_once: bool = False,
+    program: Program, inputs: Inputs, captured: Sequence[InputBatch], *, at_once: bool = False
 ) -> Proof:
     """The boxes between the least and the greatest of what draws give a program, or, `at_once`, one
     box of a short run. Raises NotInterpretedError: they give it what is no number."""
@@ -234,8 +225,8 @@ def _hazards(
     program: Program,
     place: Place,
     point: Point,
-    inputs: Mapping[str, Input],
-    domains: Mapping[str, InputDomain] | None,
+    inputs: Inputs,
+    domains: Domains | None,
     others: InputBatch,
 ) -> Iterator[Hazard]:
     """The hazard about an instruction; none where no output depends on its result. Of inputs that
@@ -282,11 +273,7 @@ def _rank(
 
 
 def _alternatives(
-    program: Program,
-    place: Place,
-    point: Point,
-    domains: Mapping[str, InputDomain] | None,
-    others: InputBatch,
+    program: Program, place: Place, point: Point, domains: Domains | None, others: InputBatch
 ) -> Iterator[tuple[InputBatch, WatchedInstruction]]:
     """Invocations at which an instruction goes wrong; of made-up inputs also with mipmaps, and such
     whose inputs are the point's or those of others."""

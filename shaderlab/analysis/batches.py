@@ -23,12 +23,8 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, eq=False)
 class InputBatch:
-    """What some invocations get.
-
-    Attributes:
-        each: what differs between them, by name, a row for each; or one row for all.
-        bindings: what does not.
-    """
+    """What some invocations get: `each` has what differs between them, by name, a row for each, or
+    one row for all, `bindings` what does not."""
 
     each: Mapping[str, Array]
     bindings: Bindings
@@ -74,17 +70,14 @@ class InputBatch:
 def quads_of(places: Array) -> Array:
     """A number for the quad of each gl_FragCoord."""
     cell = np.floor(places[:, :2] / 2.0).astype(np.int64)
-    found: Array = cell[:, 1] * (1 << 20) + cell[:, 0]
-    return found
+    return np.asarray(cell[:, 1] * (1 << 20) + cell[:, 0])
 
 
 def asks_for_neighbours(program: Program, bindings: Bindings) -> bool:
     """Whether invocations depend on others: by derivatives, by mipmaps, or in a workgroup."""
-    if program.group > 1 or any(
-        texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()
-    ):
-        return True
-    return any(one.op in DERIVATIVES for one in program.definitions.values())
+    mipmapped = any(texels.filter[0] != texels.filter[1] for texels in bindings.textures.values())
+    derives = any(one.op in DERIVATIVES for one in program.definitions.values())
+    return mipmapped or derives or program.group > 1
 
 
 def run_batch(
@@ -157,7 +150,6 @@ def merge_batches(batches: Sequence[InputBatch], program: Program, most: int) ->
 
 
 def _hash_textures(bindings: Bindings) -> int:
-    """A number that is the same for the same textures."""
     parts: list[object] = []
     for name, texels in sorted(bindings.textures.items()):
         parts += [name, texels.filter, texels.wrap, texels.compare, texels.kind, texels.format]

@@ -21,7 +21,7 @@ from shaderlab.model.frame import Array
 from .batches import InputBatch, asks_for_neighbours
 from .checks import CHECKS, INDEX, INDEXING, Check, Place, arguments_of, indices_of, number_of
 from .enclosures import STEPS, Enclosures
-from .inputs import Input, InputDomain, sample_inputs
+from .inputs import Domains, InputDomain, Inputs, sample_inputs
 from .interpreter import Bands, Program
 from .interpreter.program import INPUTS, Instruction
 from .interpreter.running import Run
@@ -41,22 +41,12 @@ _MOST_TEXELS = 32768  # of a texture's side, or levels or samples
 
 class Space:
     """The numbers that a program reads, one column for each: within the domains, or between the
-    least and the greatest of what some draws give it.
-
-    Attributes:
-        inputs, domains: by name, as of `domains_of`.
-        low, high: the ends of all that is asked about, (columns,).
-        whole: which columns are integers.
-        rows: of invocations for a point: a quad's where the program asks for neighbours.
-        is_drawn: whether draws give the ends, and the textures.
-    """
+    least and the greatest of what some draws give it (`is_drawn`): the ends of all that is asked
+    about, (columns,), and which of these are `whole` numbers. `rows` is how many invocations a
+    point has: a quad's where the program asks for neighbours."""
 
     def __init__(
-        self,
-        program: Program,
-        inputs: Mapping[str, Input],
-        domains: Mapping[str, InputDomain],
-        drawn: InputBatch | None = None,
+        self, program: Program, inputs: Inputs, domains: Domains, drawn: InputBatch | None = None
     ) -> None:
         self.inputs, self.domains = inputs, domains
         self._samples = sample_inputs(inputs, domains, 64, 0) if drawn is None else drawn
@@ -217,13 +207,8 @@ class Space:
 
 @dataclass
 class BoxWatcher:
-    """A `Watch` of a run on boxes: which instructions may go wrong in which of them.
-
-    Attributes:
-        texels: the range of each texture's texels by its identity.
-        lines: of each instruction that was looked at, by its place.
-        bad: where it may go wrong, (count,).
-    """
+    """A `Watch` of a run on boxes: `bad` says in which of them an instruction may go wrong, by its
+    place, (count,), `lines` where it is, `texels` what textures hold, by their identity."""
 
     count: int
     texels: Mapping[int, InputDomain]

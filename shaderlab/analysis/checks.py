@@ -36,21 +36,18 @@ class Place:
 
 @dataclass(eq=False)
 class WatchedInstruction:
-    """An instruction that may go wrong.
-
-    Attributes:
-        at, check: what is looked at.
-        margin: how far each invocation is from going wrong, infinite of those that don't come
-            here, (count,).
-        bad: which of them go wrong.
-        operands: those of a bad invocation, by its row: one component's.
-    """
+    """An instruction that may go wrong: how far each invocation is from that (the margin, infinite
+    of those that don't come here), which of them do (the bad ones), (count,), and by row the
+    operands of such a one, one component's."""
 
     at: Instruction
     check: Check
     margin: Array
     bad: Flags
     operands: dict[int, tuple[float, ...]] = field(default_factory=dict)
+
+
+_Here = tuple[Run, Instruction, PathState]
 
 
 class Watcher:
@@ -63,48 +60,37 @@ class Watcher:
         self.found: dict[Place, WatchedInstruction] = {}
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
-        checks = CHECKS.get(number_of(at.op, at.operands), ())
+        here, checks = (run, at, state), CHECKS.get(number_of(at.op, at.operands), ())
         overflows = at.op in FLOATS and _is_large(result, state.mask)
         if checks or overflows:
             values = [numbers(v) for v in run.values(arguments_of(at.op, at.operands))]
             if all(v is not None for v in values):
                 known = np.zeros(1, np.bool_)
                 for check in checks:
-                    with np.errstate(all="ignore"):
-                        margin = np.asarray(check.margin(*values), np.float64)
-                    known = known | self._note(run, at, state, check, values, margin)
+                    known = known | self._note(here, check, values)
                 if overflows:
-                    self._overflow(run, at, state, values, result, known)
+                    self._overflow(here, values, result, known)
         elif at.op in INDEXING:
             for index, size in indices_of(run, at):
-                self._note_index(run, at, state, INDEX, index.lo, np.full((1, 1), size))
+                self._note(here, INDEX, [index.lo, np.full((1, 1), size)])
         elif at.op == Op.ImageFetch:
-            self._note_fetch(run, at, state)
+            self._note_fetch(here)
         elif self._enlarged and at.op in SIZES:
             return _largest(run, at, result)
         elif self._made_up and at.op in SIZES:  # it may have the level that a made-up one lacks
             return Integer(np.maximum(result.lo, 1), unsigned=result.unsigned)
         return result
 
-    def _note_fetch(self, run: Run, at: Instruction, state: PathState) -> None:
+    def _note_fetch(self, here: _Here) -> None:
         """Note a texelFetch's coordinates and level, or sample, as indices."""
-        texels, place, _, number, sizes = fetch_place(run, at)
+        texels, place, _, number, sizes = fetch_place(*here[:2])
         if self._made_up:
             sides = _SIDES if texels.kind != "2DMS" else np.full_like(_SIDES, _SIDES[0])
             sizes = np.repeat(sides, sizes.shape[1], axis=1)
-        self._note_index(run, at, state, LEVEL, number.lo, np.full((1, 1), len(sizes)))
-        size = sizes[np.clip(number.lo[:, 0], 0, len(sizes) - 1)]
-        self._note_index(run, at, state, TEXEL, place, size)
+        self._note(here, LEVEL, [number.lo, np.full((1, 1), len(sizes))])
+        self._note(here, TEXEL, [place, sizes[np.clip(number.lo[:, 0], 0, len(sizes) - 1)]])
 
-    def _note_index(
-        self, run: Run, at: Instruction, state: PathState, check: Check, index: Array, size: Array
-    ) -> None:
-        values = [index.astype(np.float64), size.astype(np.float64)]
-        self._note(run, at, state, check, values, np.asarray(check.margin(*values)))
-
-    def _overflow(
-        self, run: Run, at: Instruction, state: PathState, given: list[Any], result: Any, bad: Flags
-    ) -> None:
+    def _overflow(self, here: _Here, given: list[Any], result: Any, bad: Flags) -> None:
         """Note results that are no numbers although all operands are, and good ones."""
         with np.errstate(all="ignore"):
             peak = _rows(np.abs(result.astype(np.float64))).max(axis=1, keepdims=True)
@@ -113,31 +99,22 @@ class Watcher:
                 known = known & np.isfinite(_rows(operand)).all(axis=1, keepdims=True)
             worst = np.where(known, np.where(np.isfinite(peak), peak, np.nan), 0.0)
             margin = np.where(np.isnan(worst), -2.0, np.asarray(OVERFLOW.margin(worst)))
-        self._note(run, at, state, OVERFLOW, [peak], margin)
+        self._note(here, OVERFLOW, [peak], margin)
 
-    def _note(
-        self,
-        run: Run,
-        at: Instruction,
-        state: PathState,
-        check: Check,
-        values: list[Any],
-        margin: Array,
-    ) -> Flags:
+    def _note(self, here: _Here, check: Check, values: list[Any], margin: Any = None) -> Flags:
         """Note the margin where it is less than before; the invocations that go wrong."""
-        place = Place(at.id, tuple(run.calls), check.kind)
-        here = state.mask[:, None]
+        run, at, state = here
+        place, mask = Place(at.id, tuple(run.calls), check.kind), state.mask[:, None]
         with np.errstate(all="ignore"):
+            margin = np.asarray(check.margin(*values) if margin is None else margin, np.float64)
             bad = np.asarray(check.bad(margin)) & ~np.isnan(margin)
         own = np.where(np.isnan(margin), np.inf, margin)
-        least = np.where(here, own.min(axis=-1, keepdims=True), np.inf)[:, 0]
-        fails: Flags = np.asarray((here & bad).any(axis=-1))
+        least = np.where(mask, own.min(axis=-1, keepdims=True), np.inf)[:, 0]
+        fails: Flags = np.asarray((mask & bad).any(axis=-1))
         known = self.found.get(place)
         if known is None:
-            known = WatchedInstruction(
-                at, check, np.full(self.count, np.inf), np.zeros(self.count, np.bool_)
-            )
-            self.found[place] = known
+            far, no = np.full(self.count, np.inf), np.zeros(self.count, np.bool_)
+            known = self.found[place] = WatchedInstruction(at, check, far, no)
         known.margin = np.minimum(least, known.margin)
         for row in map(int, np.flatnonzero(fails & ~known.bad)[:_KEPT]):
             known.operands[row] = _component(values, margin, bad, row)
@@ -172,11 +149,8 @@ def _rows(value: Array) -> Array:
 
 def numbers(value: Any) -> Array | None:
     """A float or an integer as float64, (count or 1, components); None of anything else."""
-    if isinstance(value, Integer):
-        return value.lo.astype(np.float64)
-    if isinstance(value, np.ndarray):
-        return value.astype(np.float64)
-    return None
+    value = value.lo if isinstance(value, Integer) else value
+    return value.astype(np.float64) if isinstance(value, np.ndarray) else None
 
 
 def indices_of(run: Run, at: Instruction) -> Iterator[tuple[Integer, int]]:
@@ -206,13 +180,9 @@ _INT, _UINT = (-(2.0**31), 2.0**31), (-1.0, 2.0**32)
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """One way in which an instruction may go wrong.
-
-    Attributes:
-        margin: of the operands, (count or 1, components): how far each is from going wrong.
-        bad: of the margin, where it does.
-        words: of one component's operands, what happens.
-    """
+    """One way in which an instruction may go wrong: `margin` is how far operands, (count or 1,
+    components), are from it, `bad` says of that where it does, `words` of one component's operands
+    what happens."""
 
     kind: str
     margin: Callable[..., Any]
@@ -226,10 +196,6 @@ def _at_most_0(margin: Any) -> Any:
 
 def _is_0(margin: Any) -> Any:
     return margin == 0.0
-
-
-def _below_0(function: str) -> Check:
-    return Check(f"{function} of a negative number", lambda x: x, lambda x: f"{function}({x:.6g})")
 
 
 def _not_above_0(function: str) -> Check:
@@ -273,6 +239,7 @@ _POW_0 = Check(
     "pow of 0 to 0 or less", lambda x, y: np.maximum(np.abs(x), np.maximum(y, 0.0)), _of_two("pow"),
     _is_0,
 )  # fmt: skip
+_SQRT = Check("sqrt of a negative number", lambda x: x, lambda x: f"sqrt({x:.6g})")
 _ACOSH = Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})")
 _ATAN = Check(
     "atan of (0, 0)", lambda y, x: np.maximum(np.abs(y), np.abs(x)), _of_two("atan"), _is_0
@@ -322,7 +289,7 @@ CHECKS: Mapping[tuple[int, int], tuple[Check, ...]] = {
     (Op.ExtInst, Glsl450.Pow): (_POW, _POW_0),
     (Op.ExtInst, Glsl450.Log): (_not_above_0("log"),),
     (Op.ExtInst, Glsl450.Log2): (_not_above_0("log2"),),
-    (Op.ExtInst, Glsl450.Sqrt): (_below_0("sqrt"),),
+    (Op.ExtInst, Glsl450.Sqrt): (_SQRT,),
     (Op.ExtInst, Glsl450.InverseSqrt): (_not_above_0("inversesqrt"),),
     **{(Op.ExtInst, n): (_CLAMP,) for n in (Glsl450.FClamp, Glsl450.UClamp, Glsl450.SClamp)},
     (Op.ExtInst, Glsl450.SmoothStep): (_SMOOTHSTEP,),

@@ -38,8 +38,9 @@ from .differences import PAIRS, discards, first_difference, jumps, keep_defined,
 from .inputs import (
     ALIKE,
     UNIT_VECTOR,
-    Input,
+    Domains,
     InputDomain,
+    Inputs,
     add_constants,
     coarsen_inputs,
     domains_of,
@@ -120,7 +121,12 @@ def compare_programs(
     unknown = [o.name for o in outputs if o.same and not o.numerics] if plan.accuracy else []
     never += [f"{name}: accuracy not known" for name in unknown]
     words = {n: f"{d} ({d.source})" for n, d in comparison.domains.items() if n in inputs}
-    notes = (*_notes(mine, theirs), *never)
+    sides = ("OLD", mine, theirs), ("NEW", theirs, mine)
+    only = {which: [n for n in some if n not in others] for which, some, others in sides}
+    notes = (
+        *(f"only {which} reads {', '.join(own)}" for which, own in only.items() if own),
+        *never,
+    )
     return Answer(old=old.path, new=new.path, outputs=outputs, notes=notes, inputs=words)
 
 
@@ -137,13 +143,6 @@ def _assume_quaternions(
         if all(o.same for o in found) and any(o.conditions for o in found):
             return turning, found
     return comparison, outputs
-
-
-def _notes(mine: Mapping[str, Input], theirs: Mapping[str, Input]) -> Iterator[str]:
-    for which, some, others in (("OLD", mine, theirs), ("NEW", theirs, mine)):
-        only = [name for name in some if name not in others]
-        if only:
-            yield f"only {which} reads {', '.join(only)}"
 
 
 def _compare_interfaces(old: Program, new: Program) -> Iterator[OutputAnswer]:
@@ -182,8 +181,8 @@ class _Comparison:
     """Two programs, and where their inputs come from."""
 
     programs: tuple[Program, Program]
-    inputs: Mapping[str, Input]
-    domains: Mapping[str, InputDomain]
+    inputs: Inputs
+    domains: Domains
     captured: Sequence[InputBatch]
     plan: Plan
     _in_bands: tuple[Mapping[str, Any] | None, ...] = ()
@@ -236,7 +235,7 @@ class _Comparison:
             if around is not None:
                 yield around
 
-    def _make(self, domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
+    def _make(self, domains: Domains, seed: int) -> InputBatch:
         """Other inputs; of generated ones fewer where the programs run long, in whole quads."""
         if self.captured:
             return vary_inputs(self.captured[seed % len(self.captured)], domains, seed)

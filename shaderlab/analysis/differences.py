@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +14,7 @@ from shaderlab.compiler.spirv import Op
 from shaderlab.model.frame import Array
 
 from .batches import InputBatch, join_batches, run_batch
-from .inputs import InputDomain
+from .inputs import Domains
 from .interpreter import FLOAT64, Program, Stored
 from .interpreter.program import Instruction
 from .interpreter.running import Run
@@ -31,7 +30,7 @@ _JUMP = 1e9  # how far apart something and nothing are
 
 
 def jumps(
-    pair: tuple[Program, Program], batch: InputBatch, domains: Mapping[str, InputDomain], count: int
+    pair: tuple[Program, Program], batch: InputBatch, domains: Domains, count: int
 ) -> InputBatch | None:
     """Inputs on both sides of places where one of the programs jumps, on the straight ways between
     so many pairs of invocations; None where both are smooth, or nothing can be varied steadily."""
@@ -82,16 +81,13 @@ def _find_changes(program: Program, along: InputBatch) -> Array:
     for values in found or [np.zeros((along.count, 1))]:
         points = np.where(gone, _JUMP, values).reshape(_PARTS + 1, -1, values.shape[-1])
         changes.append(np.abs(np.diff(points, axis=0)).max(axis=-1))
-    most: Array = np.max(changes, axis=0)
-    return most
+    return np.asarray(np.max(changes, axis=0))
 
 
 _COMPARISONS = range(Op.FOrdEqual, Op.FUnordGreaterThanEqual + 1)
 
 
-def meet_bounds(
-    program: Program, batch: InputBatch, domains: Mapping[str, InputDomain]
-) -> InputBatch:
+def meet_bounds(program: Program, batch: InputBatch, domains: Domains) -> InputBatch:
     """The invocations; half of the numbers that the program compares with something else are that.
     Raises as `run`."""
     rng = np.random.default_rng(37)
@@ -200,10 +196,4 @@ def _look_different(a: object, b: object) -> bool:
 
 def discards(program: Program) -> list[int]:
     """The lines at which a program discards."""
-    return sorted(
-        instruction.line
-        for function in program.functions.values()
-        for block in function.blocks.values()
-        for instruction in block
-        if instruction.op == Op.Kill
-    )
+    return sorted(one.line for one in program.instructions if one.op == Op.Kill)

@@ -33,17 +33,10 @@ _XYZW = {letter: i for letters in ("xyzw", "rgba", "stpq") for i, letter in enum
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement that stores or returns a value, or the entry of a function.
-
-    Attributes:
-        kind: "store" is a declaration or an assignment, "return" one with a value, "entry" where a
-            function begins.
-        first, last: its lines, counted from 1.
-        name: the variable that is stored to, "f()" for a `return` of f, the function of an entry.
-        place: what is stored to, as it is written: "light.position.y".
-        start, end: its bytes in the text.
-        value, type: of a `return`, where the bytes of its expression end, and its function's type.
-    """
+    """A statement that stores or returns a value, or the entry of a function: its lines, counted
+    from 1, the name of the variable that is stored to, "f()" for a `return` of f, the function of
+    an entry, what is stored to, as it is written ("light.position.y"), and its bytes in the text;
+    of a `return`, where those of its expression end, and its function's type."""
 
     kind: Literal["store", "return", "entry"]
     first: int
@@ -76,17 +69,13 @@ def driver_values(
     undecided: bool,
 ) -> dict[Stored, Array]:
     """What the driver has at a pixel for the numbers and vectors that were stored there, where that
-    can be seen; of what is passed again and again the first turns and the last one.
-
-    Args:
-        stored: what an interpretation of the pixel's invocation stored, in order.
-        undecided: whether it took both sides of a branch: what it passed more than once is left
-            out, for the driver may have passed it less often.
-
-    Raises UnsupportedError: the shader has no room for another output, or whatever is watched, the
-    driver computes others; ShaderlabError: it can't be drawn again."""
+    can be seen; of what is passed again and again the first turns and the last one. `stored` is
+    what an interpretation of the pixel's invocation stored, in order. If it took both sides of a
+    branch (`undecided`), what it passed more than once is left out: the driver may have passed it
+    less often. Raises UnsupportedError: the shader has no room for another output, or whatever is
+    watched, the driver computes others; ShaderlabError: it can't be drawn again."""
     text = evaluation.programs[key[0]][key[1]].text("fragment") or ""
-    statements = [*find_entries(text), *find_statements(text)]
+    statements = find_statements(text)
     wanted = _plan_watches(statements, stored, undecided)
     redraws = _Redraws(evaluation, key, pixel, text)
     size = _VALUES * (MOST_OUTPUTS - 1 - len(redraws.colors))
@@ -206,26 +195,20 @@ class _Redraws:
 
 
 def find_statements(text: str) -> list[Statement]:
-    """The statements of a text that store or return a value, in its order."""
+    """The entries of a text's functions, each with its statements that store or return a value, in
+    their order."""
     file = Syntax(text)
     found = []
     for name, functions in file.functions.items():
         for function in functions:
-            returned = file.of(field(function, "type"))
-            nodes = walk(field(function, "body"))
-            inside = [one for node in nodes for one in _statements_at(file, node, name, returned)]
-            found += sorted(inside, key=lambda one: one.end)
-    return found
-
-
-def find_entries(text: str) -> list[Statement]:
-    """The entries of a text's functions."""
-    found = []
-    for name, functions in Syntax(text).functions.items():
-        for function in functions:
-            start = field(function, "body").start_byte + 1
-            lines = (function.start_point[0] + 1, function.end_point[0] + 1)
+            returned, body = file.of(field(function, "type")), field(function, "body")
+            inside = (_statements_at(file, node, name, returned) for node in walk(body))
+            start, lines = (
+                body.start_byte + 1,
+                (function.start_point[0] + 1, function.end_point[0] + 1),
+            )
             found.append(Statement("entry", *lines, name, "", start, start))
+            found += sorted(itertools.chain(*inside), key=lambda one: one.end)
     return found
 
 
@@ -290,7 +273,6 @@ def _instrument(text: str, watched: Sequence[_Watch]) -> tuple[str, list[_Cells]
 
 
 def _write_note(number: int, watch: _Watch, cells: _Cells, place: str) -> str:
-    """A statement that writes a value."""
     parts = []
     for i, (name, k) in enumerate(cells):
         part = place if watch.size == 1 else f"{place}[{i}]"

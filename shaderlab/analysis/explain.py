@@ -28,9 +28,9 @@ from shaderlab.model.records import Explanation, Outcome, Step
 from .driver_values import driver_values
 from .inputs import inputs_of
 from .interpreter import Bands, Stored
-from .invocations import Invocations, sample_fragments
+from .invocations import sample_fragments
 from .self_check import find_outside, shows_what_is_written
-from .steps import SAMPLES, Trace, steps_at, trace_invocations, widest_row
+from .steps import SAMPLES, steps_at, trace_invocations, widest_row
 
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
@@ -57,7 +57,13 @@ def explain(
     bands = trace_invocations(given.program, given.batch, Bands())
     row = int(rows[0])
     driver, refused = dict[Stored, Array](), ""
-    if not if_outside or _is_outside(evaluation, key, given, bands, row):
+    if not if_outside or (
+        shows_what_is_written(evaluation, key)
+        and any(
+            (flags := find_outside(given, name, band)) is not None and flags[row]
+            for name, band in bands.outputs.items()
+        )
+    ):
         here = [event for event in bands.stored if event.mask[row]]
         undecided = bool(bands.undecided[row])
         try:
@@ -89,17 +95,6 @@ def inputs_at(
     given = sample_fragments(evaluation, key, among=np.array([pixel]))
     row = int(np.flatnonzero(np.all(given.pixels == pixel, axis=-1))[0])
     return given.batch.example(row, inputs_of(given.program))
-
-
-def _is_outside(
-    evaluation: Evaluation, key: PassDraw, given: Invocations, bands: Trace, row: int
-) -> bool:
-    """Whether what the driver wrote lies outside of the program's band; False where attachments
-    hold something else than what was written."""
-    if not shows_what_is_written(evaluation, key):
-        return False
-    found = (find_outside(given, name, band) for name, band in bands.outputs.items())
-    return any(flags is not None and flags[row] for flags in found)
 
 
 def widest_pixel(evaluation: Evaluation, key: PassDraw) -> tuple[int, int]:

@@ -19,15 +19,10 @@ _MOST_NUMBERS = 4  # of an input that is shown
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """How a program is audited.
-
-    Attributes:
-        ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        precision: whether to measure how far devices may differ, at highp and at mediump.
-        prove: whether to show of each hazard that no input of the ranges causes it.
-        assume: conditions in GLSL that hold of the inputs.
-        confirm: runs a hazard's inputs on a driver.
-    """
+    """How a program is audited: `ranges` has "a..b", "a:b" or "unit" for inputs, by name, `assume`
+    conditions in GLSL that hold of them. `precision` asks how far devices may differ, at highp and
+    at mediump, `prove` that no input of the ranges causes a hazard, and `confirm` runs a hazard's
+    inputs on a driver."""
 
     ranges: Mapping[str, str] = field(default_factory=dict)
     count: int = 4096
@@ -39,16 +34,11 @@ class Plan:
 
 @dataclass(frozen=True, kw_only=True)
 class Hazard:
-    """A hazard of a shader.
-
-    Attributes:
-        evident: whether the inputs below do it, in float32, and an output depends on it; else it
-            is possible: `message` states the condition.
-        inputs: an invocation at which it happens, by name.
-        outputs: what that invocation writes, by the names of the outputs that depend on it.
-        driver: what a driver writes for it, or why that is not known; "" if it was not asked.
-        calls: the lines of the calls that lead there, the outermost first.
-    """
+    """A hazard of a shader. It is evident if the inputs, those of one invocation, by name, do it in
+    float32, and an output depends on it; else it is possible: `message` states the condition.
+    `outputs` are those that depend on it, as that invocation writes them, `driver` is what a driver
+    writes, or why that is not known ("" if it was not asked), and `calls` has the lines of the
+    calls that lead there, the outermost first."""
 
     file: str
     line: int
@@ -81,13 +71,8 @@ class Hazard:
 
 @dataclass(frozen=True)
 class Claim:
-    """What was shown for all inputs.
-
-    Attributes:
-        file, line: where; 0 for an output.
-        what, status: what holds, such as "no division by 0", and whether: "proved" or "open".
-        share, note: of the range what is left open, by volume; a box of it, or why it is open.
-    """
+    """What was shown for all inputs: what holds at a line (0: of an output), as "no division by 0",
+    whether that is "proved" or "open", in which share of the range, and a box of it, or why."""
 
     file: str
     line: int
@@ -155,16 +140,10 @@ class Spread:
 
 @dataclass(frozen=True, kw_only=True)
 class Audit:
-    """What was found in one shader.
-
-    Attributes:
-        hazards: by line, evident ones and possible ones.
-        inputs: what each input was given, in words, by name.
-        refused: why nothing can be said of it, if so.
-        spreads: how far devices may differ at each output, if that was measured.
-        claims: what holds for all inputs of the ranges, or is open, if that was asked.
-        notes: what was taken for what the file lacks.
-    """
+    """What was found in one shader: hazards by line, evident ones and possible ones, of so many
+    inputs that were tried, which are in words here, or why it is refused; how far devices may
+    differ at each output, and what holds for all inputs, or is open, if that was asked; and
+    `notes` on what was taken for what the file lacks."""
 
     file: str
     hazards: tuple[Hazard, ...]

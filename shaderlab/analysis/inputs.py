@@ -12,13 +12,7 @@ from typing import Literal
 import numpy as np
 
 from shaderlab.compiler.reflection import is_used, leaves, used_paths
-from shaderlab.compiler.spirv import (
-    Decoration,
-    StorageClass,
-    image_channels,
-    type_name,
-    unwrap,
-)
+from shaderlab.compiler.spirv import Decoration, StorageClass, image_format, type_name, unwrap
 from shaderlab.errors import NotInterpretedError, UsageError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 
@@ -44,15 +38,10 @@ _ENDLESS = 4  # elements of an array whose length is known at run time only
 
 @dataclass(frozen=True)
 class Input:
-    """One number, vector, matrix or texture that a program may read.
-
-    Attributes:
-        name: as the interpreter takes it: "lights[0].color".
-        type: GLSL's name of it: "vec3", "sampler2D".
-        uniform: whether all pixels of a quad have the same, as of uniforms and of flat inputs.
-        workgroup: of what numbers a compute stage's invocations, the size of their workgroup.
-        channels: the components of an image's texels.
-    """
+    """One number, vector, matrix or texture that a program may read, by its name as the interpreter
+    takes it ("lights[0].color"), with GLSL's type ("vec3", "sampler2D"). It is `uniform` if all
+    pixels of a quad have the same, as of flat inputs; `workgroup` is the size of that whose
+    invocations it numbers, `channels` how many components the texels of an image have."""
 
     name: str
     type: str
@@ -64,6 +53,9 @@ class Input:
     def whole(self) -> bool:
         """Whether its numbers are integers."""
         return self.type.startswith(("int", "ivec", "uint", "uvec"))
+
+
+Inputs = Mapping[str, Input]
 
 
 def inputs_of(program: Program) -> dict[str, Input]:
@@ -91,8 +83,8 @@ def inputs_of(program: Program) -> dict[str, Input]:
                 continue
             for each in _elements(lengths, leaf.name):
                 size = program.local_size if each in NUMBERS else None
-                channels = image_channels(module, leaf.type)
-                found[each] = Input(each, type_, uniform, size, channels)
+                of = re.match(r"(rg?)(?:8|16|32|64)", image_format(module, leaf.type))
+                found[each] = Input(each, type_, uniform, size, len(of[1]) if of else 4)
     return found
 
 
@@ -187,6 +179,7 @@ class InputDomain:
         return InputDomain("number", self.low - wide, self.high + wide)
 
 
+Domains = Mapping[str, InputDomain]
 _GIVE = 1e-6  # of the square of a vector's length
 UNIT_VECTOR = InputDomain("unit", 1.0 - _GIVE, 1.0 + _GIVE)
 # By a word of the name: the last one that is here counts.
@@ -236,7 +229,7 @@ _BUILT_IN = {
 
 
 def domains_of(
-    inputs: Mapping[str, Input], programs: Sequence[Program], ranges: Mapping[str, str]
+    inputs: Inputs, programs: Sequence[Program], ranges: Mapping[str, str]
 ) -> dict[str, InputDomain]:
     """The role of each input, by name: of `ranges` ("a..b", "a:b" or "unit" by whole name, of all
     elements of an array or of one), else of a comment, else as the name and the type suggest.
@@ -260,7 +253,7 @@ def domains_of(
 
 
 def add_constants(
-    domains: Mapping[str, InputDomain], inputs: Mapping[str, Input], programs: Sequence[Program]
+    domains: Domains, inputs: Inputs, programs: Sequence[Program]
 ) -> dict[str, InputDomain]:
     """The domains of numbers with the programs' own constants to try; of an integer those beyond
     its assumed range, too: `id == 12345` is true for no other."""
@@ -352,7 +345,7 @@ def add_orders(domains: dict[str, InputDomain]) -> None:
                 domains[name] = replace(domains[name], above=lower)
 
 
-def keep_in_order(each: dict[str, Array], domains: Mapping[str, InputDomain]) -> None:
+def keep_in_order(each: dict[str, Array], domains: Domains) -> None:
     """Exchange values of inputs where the higher one of a pair is below the lower one."""
     for name, domain in domains.items():
         if domain.above in each and name in each and each[name].shape == each[domain.above].shape:
@@ -370,21 +363,16 @@ _SIDES, _FACE_SIDES = (8, 32), (8, 16)  # of textures; loops over all of a cube'
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
 _BYTES = (0, 1, 0x7F, 0x80, 0xFF)  # of words: ends of what fields in them may hold
 _PIXELS = 64  # in a row
-_FEW_GROUPS = 4
 
 
 def sample_inputs(
-    inputs: Mapping[str, Input],
-    domains: Mapping[str, InputDomain],
-    count: int,
-    seed: int,
-    together: Size | None = None,
+    inputs: Inputs, domains: Domains, count: int, seed: int, together: Size | None = None
 ) -> InputBatch:
     """Inputs for `count` invocations, uniforms as well, which differ between them here; or between
     whole workgroups of a size. Raises NotInterpretedError: there is a texture of a kind that has no
     formula."""
     group = math.prod(together or (1,))
-    count = max(count // group, _FEW_GROUPS) * group
+    count = max(count // group, 1) * group
     rng = np.random.default_rng([19, seed])
     each: dict[str, Array] = {}
     textures: dict[str, Texels] = {}
@@ -455,9 +443,7 @@ def _places(count: int, rng: np.random.Generator) -> Array:
     return np.stack([x, y, z, w], axis=1).astype(np.float32)
 
 
-def smooth_quads(
-    batch: InputBatch, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]
-) -> InputBatch:
+def smooth_quads(batch: InputBatch, inputs: Inputs, domains: Domains) -> InputBatch:
     """Invocations whose inputs change from pixel to pixel as in draws: a quad's get the same
     uniforms, and varyings that are more alike in some quads than in others."""
     places, rng = batch.each["gl_FragCoord"], np.random.default_rng(17)
@@ -475,7 +461,7 @@ _STEPS = 16  # of the largest number
 _COARSE = 2048
 
 
-def coarsen_inputs(batch: InputBatch, domains: Mapping[str, InputDomain]) -> InputBatch:
+def coarsen_inputs(batch: InputBatch, domains: Domains) -> InputBatch:
     """The same invocations with numbers of so few bits that sums and products are exact and often
     equal: what is compared meets its bounds. Vectors are often those before, unit vectors lie along
     an axis, matrices only move, textures are flat in places."""
@@ -562,7 +548,6 @@ def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Genera
     return found.astype(np.float32)
 
 
-_IMAGES = ("2D", "2DArray", "3D")
 # 0 is a texture's side.
 _SHAPES: Mapping[str, tuple[int, ...]] = {
     "1D": (1, 0), "1DArray": (4, 1, 0), "Buffer": (1, 0), "2D": (0, 0), "2DArray": (4, 0, 0),
@@ -578,7 +563,7 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     kind = of.partition("sampler")[2]
     shadow = kind.endswith("Shadow")
     kind = kind.removesuffix("Shadow")
-    if kind not in _SHAPES or (is_image and kind not in _IMAGES):
+    if kind not in _SHAPES or (is_image and kind not in ("2D", "2DArray", "3D")):
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
     side = int(rng.choice(_FACE_SIDES if "Cube" in kind else _SIDES)) * (4 if is_image else 1)
     shape = *(size or side for size in _SHAPES[kind]), 4
@@ -649,7 +634,7 @@ def _learn_domain(name: str, arrays: Sequence[Array]) -> InputDomain:
 
 
 def enclose_inputs(
-    inputs: Mapping[str, Input], captured: Sequence[InputBatch]
+    inputs: Inputs, captured: Sequence[InputBatch]
 ) -> tuple[dict[str, InputDomain], InputBatch]:
     """The ranges of what draws give a program, and all of it together, with one draw's textures. Of
     a vector of two or three floats the square of the length has a range, too: that of its domain,
@@ -694,7 +679,7 @@ def _enclose_texels(textures: Sequence[Texels]) -> InputDomain:
     return InputDomain("texture", low - give * (low != 0.0), high + give, "learned")
 
 
-def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
+def vary_inputs(batch: InputBatch, domains: Domains, seed: int) -> InputBatch:
     """Other inputs of the same roles: uniforms differ between quads of pixels now, and texels have
     changed places."""
     rng = np.random.default_rng([29, seed])

@@ -45,15 +45,10 @@ _MOST_INPUTS = 2048
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Invocations:
-    """What some invocations of one stage of a draw got and gave.
-
-    Attributes:
-        each: its inputs by name, built-in ones too, a row for every invocation.
-        measured: what they wrote, by output, as it was read back; those of other passes' formats
-            in the formats' own units.
-        formats: the attachments' formats by output; "rgba32f" of vertices.
-        pixels: (count, 2), column and row; None of vertices.
-    """
+    """What some invocations of one stage of a draw got and gave: its inputs by name, built-in ones
+    too, a row for every invocation (`each`), what they wrote, by output, as it was read back in the
+    attachments' `formats` and their units ("rgba32f" of vertices), and the `pixels`, (count, 2),
+    column and row; None of vertices."""
 
     program: Program
     each: Mapping[str, Array]
@@ -139,7 +134,10 @@ def sample_fragments(
 def _sample(captured: Fragments, most: int, whole: bool) -> Array:
     """About `most` of the covered pixels, by their numbers; `whole` quads."""
     places = np.flatnonzero(captured.covered)
-    ends = _extremes([_at(places, values) for values in captured.inputs.values()])
+    ends: list[int] = []  # the rows in which a component of an input is least or greatest
+    for values in captured.inputs.values():
+        flat = _at(places, values).reshape(len(places), -1)
+        ends += [*flat.argmin(axis=0), *flat.argmax(axis=0)]
     if whole:
         y, x = np.nonzero(captured.covered)
         return whole_quads(x, y, most, ends)
@@ -161,15 +159,6 @@ def _at(places: Array, values: Array) -> Array:
     flat = values.reshape(-1, *values.shape[2:])
     # Most draws cover everything; then nothing need be copied.
     return flat if len(places) == len(flat) else flat[places]
-
-
-def _extremes(inputs: Sequence[Array]) -> list[int]:
-    """The rows in which a component of an input is least or greatest."""
-    found: list[int] = []
-    for values in inputs:
-        flat = values.reshape(len(values), -1)
-        found += [*flat.argmin(axis=0), *flat.argmax(axis=0)]
-    return found
 
 
 def stage_of(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
@@ -223,13 +212,11 @@ def changed_stages(
         programs = lab.prepare_for_opengl(scene)
         with lab.evaluation(scene, programs) as evaluation:
             for change, known in zip(changes, found, strict=True):
-                for key, old, new in _differing_sources(
-                    programs, lab.prepare_for_opengl(scene, change)
-                ):
+                others = lab.prepare_for_opengl(scene, change)
+                for key, old, new in _differing_sources(programs, others):
                     one = known.setdefault((old.text, new.text), ChangedStage(old, new))
-                    one.given.extend(
-                        g for g in _capture_batch(evaluation, key, old.stage) if g.count
-                    )
+                    given = _capture_batch(evaluation, key, old.stage)
+                    one.given.extend(g for g in given if g.count)
     for change, known in zip(changes, found, strict=True):
         if not known:
             raise CaseError(f"no draw uses {', '.join(change)}", file=case.file)

@@ -152,14 +152,10 @@ class Ran:
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """How an output of two programs compares, by invocation, (count,).
-
-    Attributes:
-        judged: where it can be decided: what noise dominates, and what neither program draws or
-            defines, is left out.
-        apart: how far the two are apart, infinite where only one is there.
-        why: "value", "coverage" or "definedness" of the first that differs; "" if none does.
-    """
+    """How an output of two programs compares, by invocation, (count,): where it can be judged (what
+    noise dominates, and what neither program draws or defines, is left out), how far the two are
+    apart, infinite where only one is there, and why the first that differs does: "value",
+    "coverage", "definedness" or ""."""
 
     different: Flags
     judged: Flags
@@ -176,9 +172,12 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
         name: values if len(values) == 1 else np.concatenate([values] * times)
         for name, values in batch.each.items()
     }
+    if (places := each.get("gl_FragCoord")) is not None:  # no run's are next to another's
+        places = places[:, :2].astype(np.float64)
+        places[:, 1] += np.arange(len(places)) // count * _FAR
     found = interpret(
         program, each, batch.bindings, PerturbedFloat(count=count, copies=copies),
-        count=count * times, places=_separate_runs(each.get("gl_FragCoord"), count), unwritten=True,
+        count=count * times, places=places, unwritten=True,
     )  # fmt: skip
     gone = np.broadcast_to(found.discarded.all_true, (count * times,))
     outputs = {
@@ -186,15 +185,6 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
         for name, values in flatten_outputs(found.outputs)
     }
     return Ran(outputs, gone.reshape(times, count), found.ran, found.blocks)
-
-
-def _separate_runs(places: Array | None, count: int) -> Array | None:
-    """The pixels of each run elsewhere, so that no run's are the neighbours of another's."""
-    if places is None:
-        return None
-    found = places[:, :2].astype(np.float64)
-    found[:, 1] += np.arange(len(found)) // count * _FAR
-    return found
 
 
 def confirm(
@@ -251,5 +241,4 @@ def compare(old: Ran, new: Ran, name: str, other: str) -> Compared:
 
 def _in_all(flags: Flags) -> Flags:
     """What holds in every run."""
-    found: Flags = np.logical_and.reduce(flags, axis=0)
-    return found
+    return np.asarray(np.logical_and.reduce(flags, axis=0))

@@ -18,7 +18,7 @@ from .answer import Cost
 from .batches import InputBatch, flatten_outputs, run_batch
 from .checks import arguments_of
 from .hazards import Spread
-from .inputs import Input
+from .inputs import Inputs
 from .interpreter import FLOAT16, FLOAT32, FLOAT64, Arithmetic, Bands, Numbers, Program, Stored
 from .interpreter.flow import HANDLERS
 from .interpreter.operations import FUNCTIONS
@@ -32,7 +32,7 @@ CODES = 255.0
 _SMALL = 2.0**-8  # of an output's largest value: below it, what counts is the ULP of this
 
 
-def portability(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
+def portability(program: Program, batch: InputBatch, inputs: Inputs) -> list[Spread]:
     """How far the precision rules let each float output's values lie apart; nothing where bands
     can't be had."""
     found = []
@@ -168,7 +168,7 @@ def _is_relaxed(program: Program, id_: int) -> bool:
     return program.module.decorated(id_, Decoration.RelaxedPrecision) is not None
 
 
-def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
+def mediump(program: Program, batch: InputBatch, inputs: Inputs) -> list[Spread]:
     """How far devices of 16 bits are off at each float output, in codes of 8 bits; nothing where
     the program can't be run so. What the shader declares as mediump or lowp is computed so; where
     it declares nothing, everything."""
@@ -209,11 +209,10 @@ def _codes(values: Array, exact: Array) -> Array:
     with np.errstate(all="ignore"):
         off = np.abs(np.clip(values, 0.0, 1.0) - np.clip(exact, 0.0, 1.0)) * CODES
     off = np.where(np.isfinite(values), off, np.inf)
-    found: Array = np.where(known, off, 0.0).max(axis=-1)
-    return found
+    return np.asarray(np.where(known, off, 0.0).max(axis=-1))
 
 
-def find_spreads(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
+def find_spreads(program: Program, batch: InputBatch, inputs: Inputs) -> list[Spread]:
     """How far devices may differ at each float output, on some of the invocations: whole quads
     from all over."""
     if program.stage not in ("vertex", "fragment"):

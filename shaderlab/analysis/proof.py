@@ -24,7 +24,7 @@ from .batches import InputBatch, run_batch
 from .boxes import ARITHMETIC, BoxWatcher, Space
 from .checks import Place, WatchedInstruction, Watcher
 from .hazards import Claim
-from .inputs import Input, InputDomain
+from .inputs import Domains, Inputs
 from .interpreter import Interpreted, Program
 from .interpreter.values import Flags
 from .undefined import NEEDED
@@ -76,13 +76,11 @@ class Proof:
         counts: which inputs settle a place, by default all; `points` has others if none does.
         drawn: what draws give the program, whose ends are the ranges.
 
-    Attributes:
-        points: a counterexample for each place that has one.
-        reached: the places that an invocation came to.
+    `points` has a counterexample for each place that has one, `reached` all that one came to.
     """
 
     def __init__(
-        self, program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], *,
+        self, program: Program, inputs: Inputs, domains: Domains, *,
         condition: Condition = are_finite, tried: Sequence[InputBatch] = (),
         counts: Callable[[InputBatch], Flags] | None = None, hazards: bool = True,
         boxes: int = BOXES, max_blocks: int = 2000, drawn: InputBatch | None = None,

@@ -5,7 +5,7 @@ depends on a value that went wrong."""
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,7 +19,7 @@ from shaderlab.model.frame import Array
 from .batches import DERIVATIVES, InputBatch, flatten_outputs, quads_of, run_batch
 from .checks import FLOATS, Place, arguments_of, number_of
 from .hazards import Hazard
-from .inputs import Input, InputDomain, smooth_quads
+from .inputs import Domains, Inputs, smooth_quads
 from .interpreter import Interpreted, Numbers, Program
 from .interpreter.flow import HANDLERS
 from .interpreter.operations import COMPOSITES
@@ -80,12 +80,9 @@ class _Filling:
         return result
 
     def _fill_globals(self, run: Run, state: PathState) -> bool:
-        before = len(self.filled)
+        before, unset = len(self.filled), run.shared.keys() - run.program.module.initialisers
         for id_, (type_, storage) in run.program.variables.items():
-            if id_ not in run.program.module.initialisers and (
-                id_ in run.shared
-                or (storage == StorageClass.Private and state.memory.get(id_) is None)
-            ):
+            if id_ in unset or (storage == StorageClass.Private and state.memory.get(id_) is None):
                 self.filled[id_] = None
                 state.memory[id_] = fill_value(null(type_, run.arithmetic), self._value(id_))
                 if id_ in run.shared:
@@ -102,9 +99,7 @@ def _has_numbers(value: Any) -> bool:
     return isinstance(value, np.ndarray | Integer | TriBool)
 
 
-def undefined_values(
-    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
-) -> Iterator[Hazard]:
+def undefined_values(program: Program, batch: InputBatch, inputs: Inputs) -> Iterator[Hazard]:
     """What is read before it is written and changes an output, and outputs not written."""
     watch = _Filling(_VALUES[0])
     plain = _run(program, batch, watch)
@@ -155,7 +150,7 @@ def _find_differences(
 
 
 def _read(
-    program: Program, batch: InputBatch, row: int, id_: int, to: str, inputs: Mapping[str, Input]
+    program: Program, batch: InputBatch, row: int, id_: int, to: str, inputs: Inputs
 ) -> Hazard:
     """The hazard of an uninitialised variable: at the first line that loads it."""
     some, own = batch.alone(row, program)
@@ -220,10 +215,7 @@ class _Divergent:
 
 
 def divergent(
-    program: Program,
-    batch: InputBatch,
-    inputs: Mapping[str, Input],
-    made_up: Mapping[str, InputDomain] | None,
+    program: Program, batch: InputBatch, inputs: Inputs, made_up: Domains | None
 ) -> Iterator[Hazard]:
     """Derivatives of a fragment stage in divergent control flow on which an output depends.
 
@@ -258,7 +250,7 @@ _CONFLICTS = {
 }
 
 
-def conflicts(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> Iterator[Hazard]:
+def conflicts(program: Program, batch: InputBatch, inputs: Inputs) -> Iterator[Hazard]:
     """What invocations of a workgroup do to each other: barriers that not all come to, and races,
     whether an output depends on them or not."""
     found = run_batch(program, batch).conflicts if program.group > 1 else {}
@@ -313,9 +305,7 @@ class _Hashes:
         return x is not None and self.floors.get(id(whole), (None, None))[1] is x
 
 
-def sine_hashes(
-    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
-) -> Iterator[Hazard]:
+def sine_hashes(program: Program, batch: InputBatch, inputs: Inputs) -> Iterator[Hazard]:
     """Random numbers of the last bits of a sine, on which an output depends."""
     numbers = {number_of(one.op, one.operands) for one in program.definitions.values()}
     if not numbers & _SINES or not {_FRACT, _FLOOR, number_of(Op.FMod, ())} & numbers:
@@ -383,7 +373,12 @@ def find_dependence(program: Program, batch: InputBatch, place: Place) -> dict[s
         with suppress(EndlessError):
             runs.append(find_written_outputs(program, batch, _Replacing(place, value)))
     gone = np.all([run["discard"] for run in runs], axis=(0, 2))
-    return {name: _differs(name, runs) & ~gone for name in runs[0]}
+    found = {}
+    for name, first in runs[0].items():  # an output that a run has not got may be anything
+        found[name] = ~gone
+        if all(name in run for run in runs):
+            found[name] &= np.any([_rows_apart(first, run[name]) for run in runs], axis=0)
+    return found
 
 
 def find_dependents(
@@ -401,28 +396,19 @@ def find_dependents(
     return int(rows[first]), {name: plain[name] for name in names if name in plain}
 
 
+Found = tuple[Place, Instruction, InputBatch, int]
+
+
 def hazard_at(
-    program: Program,
-    inputs: Iterable[str],
-    found: tuple[Place, Instruction, InputBatch, int],
-    outputs: Mapping[str, tuple[float, ...]],
-    message: str,
-    **more: Any,
+    program: Program, inputs: Iterable[str], found: Found, outputs: Any, words: str, **more: Any
 ) -> Hazard:
     """The hazard of an instruction that was found at a place, for a row of a batch."""
     place, at, batch, row = found
     file, line = program.place(at.line)
     return Hazard(
-        file=file, line=line, kind=place.kind, message=message, inputs=batch.example(row, inputs),
+        file=file, line=line, kind=place.kind, message=words, inputs=batch.example(row, inputs),
         outputs=outputs, calls=tuple(program.place(call)[1] for call in place.calls), **more,
     )  # fmt: skip
-
-
-def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> Flags:
-    """At which rows an output is not the same in all runs."""
-    if not all(name in run for run in runs):
-        return np.ones(len(runs[0]["discard"]), np.bool_)
-    return np.asarray(np.any([_rows_apart(runs[0][name], run[name]) for run in runs], axis=0))
 
 
 def _rows_apart(a: Array, b: Array) -> Flags:

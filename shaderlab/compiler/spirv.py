@@ -6,7 +6,6 @@ instruction set GLSL.std.450. A row of names has consecutive numbers.
 
 import functools
 import math
-import re
 import struct
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -400,12 +399,6 @@ def image_format(module: Module, id_: int) -> str:
     """Return the format that an image's layout names, "" for none and for what is no image."""
     instruction = module.types[unwrap(module, id_)[1]]
     return _FORMATS[instruction.words[6]] if instruction.op == Op.TypeImage else ""
-
-
-def image_channels(module: Module, id_: int) -> int:
-    """Return how many components the format of an image has; 4 if its layout names none."""
-    found = re.match(r"(rg?)(?:8|16|32|64)", image_format(module, id_))
-    return len(found[1]) if found else 4
 
 
 def _scalar(module: Module, id_: int) -> str:

@@ -204,13 +204,10 @@ def _merge(own: Value, before: Value, groups: Flags) -> Value:
 
 
 def _array(value: Value) -> Any:
-    if isinstance(value, Integer):
-        return value.lo
-    return value.all_true if isinstance(value, TriBool) else value
+    return getattr(value, "lo", getattr(value, "all_true", value))
 
 
 def _same(a: Value, b: Value) -> Any:
-    """Where two values are the same."""
     if isinstance(a, tuple):
         return np.all([_same(*parts) for parts in zip(a, b, strict=True)], axis=0)
     x, y = _array(a), _array(b)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,13 @@ def memory_of(
 
     What nothing is given for is `Missing`, which only reading makes an error.
     """
+    rules, index = arithmetic.rules, np.ravel(each.get(NUMBERS[3], ()))
+    if program.group > 1 and not (rules and rules.ranges):
+        whole = np.tile(np.arange(program.group), len(index) // program.group or 1)
+        if rules or not np.array_equal(index, whole):
+            own = (v for v, (_, s) in program.variables.items() if s == StorageClass.Workgroup)
+            names = ", ".join(map(program.name, own)) or "barrier()"
+            raise program.not_interpreted(f"{names}, which a workgroup shares", 0)
     reader = _InputReader(each, bindings, arithmetic)
     memory: dict[int, Value] = {}
     for id_, (type_, storage) in program.variables.items():
@@ -146,7 +153,6 @@ class _InputReader:
         return Integer(values, unsigned=unsigned, rules=self._arithmetic.rules)
 
     def _range_of(self, base: Type, low: Array, high: Array) -> Value:
-        """Any value from `low` to `high`."""
         rules = self._arithmetic.rules
         if base.kind == "float":
             return Band.between(low, high, rules or Rules())
@@ -166,7 +172,7 @@ class Interpreted:
         outputs: by name, those that were written; a row for every invocation: floats of the
             arithmetic (count, components), `Integer`s, `TriBool`s, tuples of them for arrays. What
             was discarded has rows, too, which mean nothing. Of a compute stage what its buffers
-            hold.
+            hold; of images what is stored, and where ("NAME at").
         discarded: which invocations were discarded, (count,); undecided where a band is open.
         undecided: by line of the program's text, the invocations that took both sides of a branch.
         taken: each two blocks, by their labels, of which an invocation came to one after the other;
@@ -180,7 +186,7 @@ class Interpreted:
     undecided: Mapping[int, Flags]
     taken: Set[tuple[int, int]] = frozenset()
     blocks: int = 0
-    conflicts: Mapping[Conflict, Flags] = field(default_factory=dict)
+    conflicts: Mapping[Conflict, Flags]
 
     @property
     def ran(self) -> Set[int]:
@@ -209,10 +215,8 @@ def interpret(
         watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.
 
-    Raises:
-        NotInterpretedError: the program does what the interpreter does not know, or does not end.
-        FormulaError: something that the program reads is not given.
-    """
+    Raises NotInterpretedError: the program does what the interpreter does not know, or does not
+    end; FormulaError: something that the program reads is not given."""
     count = max(map(len, each.values()), default=1) if count is None else count
     for name, values in each.items():
         if len(values) not in (1, count):
@@ -225,12 +229,10 @@ def interpret(
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        return _run(run, memory_of(program, each, bindings, arithmetic), each, unwritten)
+        return _run(run, memory_of(program, each, bindings, arithmetic), unwritten)
 
 
-def _run(
-    run: Run, memory: dict[int, Value], each: Mapping[str, Array], unwritten: bool
-) -> Interpreted:
+def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
     program, count = run.program, run.count
     run.given = dict(memory)
     shared = StorageClass.Workgroup
@@ -242,11 +244,6 @@ def _run(
         if program.variables[id_][1] in kinds or isinstance(memory.get(id_), Missing | None):
             memory[id_] = run.value(constant)
     run.shared = {v: memory[v] for v, (_, kind) in program.variables.items() if kind == shared}
-    if program.group > 1 and not run.for_ranges:
-        numbers, index = np.arange(count) % program.group, np.ravel(each.get(NUMBERS[3], ()))
-        if run.arithmetic.rules or count % program.group or not np.array_equal(index, numbers):
-            names = ", ".join(map(program.name, run.shared)) or "barrier()"
-            raise program.not_interpreted(f"{names}, which a workgroup shares", 0)
     end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
     if end is not None and run.shared:
         meet(run, None, end)

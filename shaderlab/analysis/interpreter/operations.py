@@ -172,11 +172,6 @@ def _insert(run: Run, at: Instruction, state: PathState) -> Any:
     return replace_part(whole, run.program.types[at.type], at.operands[2:], new, state.mask)
 
 
-def _extract_dynamic(run: Run, at: Instruction, state: PathState) -> Any:
-    vector, index = run.values(at.operands)
-    return fetch(vector, [known_index(index)], state.mask)
-
-
 def _insert_dynamic(run: Run, at: Instruction, state: PathState) -> Any:
     vector, new, index = run.values(at.operands)
     type_: Type = run.program.types[at.type]
@@ -194,7 +189,9 @@ def _shuffle(run: Run, at: Instruction, state: PathState) -> Any:
 
 
 COMPOSITES: Mapping[int, Handler] = {
-    Op.VectorExtractDynamic: _extract_dynamic,
+    Op.VectorExtractDynamic: lambda run, at, state: fetch(
+        run.value(at.operands[0]), [known_index(run.value(at.operands[1]))], state.mask
+    ),
     Op.VectorInsertDynamic: _insert_dynamic,
     Op.VectorShuffle: _shuffle,
     Op.CompositeConstruct: lambda run, at, state: compose(
@@ -234,17 +231,6 @@ LOGIC: Mapping[int, Handler] = {
 """The comparisons are those that glslang writes: ordered ones, and != that holds for NaN."""
 
 
-def _matrix_times_scalar(run: Run, at: Instruction, state: PathState) -> Any:
-    matrix, scalar = run.values(at.operands)
-    return run.arithmetic.call("multiply", matrix, scalar[..., None])
-
-
-def _vector_times_matrix(run: Run, at: Instruction, state: PathState) -> Any:
-    vector, matrix = run.values(at.operands)
-    call = run.arithmetic.call
-    return call("mul", call("transpose", matrix), vector)
-
-
 def _from_integer(run: Run, at: Instruction, state: PathState) -> Any:
     whole: Integer = run.value(at.operands[0])
     if run.arithmetic.rules is None:
@@ -272,7 +258,11 @@ _CALLED = {
 FLOATS: Mapping[int, Handler] = {
     **{op: call_function(name) for op, name in _CALLED.items()},
     Op.ConvertSToF: _from_integer, Op.ConvertUToF: _from_integer, Op.Bitcast: _bitcast,
-    Op.MatrixTimesScalar: _matrix_times_scalar, Op.VectorTimesMatrix: _vector_times_matrix,
+    Op.VectorTimesMatrix: lambda run, at, state: run.arithmetic.call(
+        "mul", run.arithmetic.call("transpose", run.value(at.operands[1])),
+        run.value(at.operands[0])),
+    Op.MatrixTimesScalar: lambda run, at, state: run.arithmetic.call(
+        "multiply", run.value(at.operands[0]), run.value(at.operands[1])[..., None]),
 }  # fmt: skip
 
 

@@ -37,14 +37,9 @@ Kind = Literal["void", "bool", "int", "float", "vector", "matrix", "array", "str
 
 @dataclass(frozen=True, eq=False)
 class Type:
-    """A type of values.
-
-    Attributes:
-        kind: see `Kind`; sampled images are "image", what has no image is "sampler".
-        of: what a vector, matrix (its columns) or array is made of.
-        count: how many of them, 0 if that is known at run time only.
-        base: the scalar that a vector or matrix is made of, else the type itself.
-    """
+    """A type of values; sampled images are "image", what has no image is "sampler". A vector, array
+    or matrix (of columns) is made `of` so many (`count`), 0 if only known at run time; `base` is
+    the scalar that a vector or matrix is made of, else the type itself."""
 
     kind: Kind
     of: Type | None = None
@@ -117,11 +112,9 @@ class Types(dict[int, Type]):
 
 
 def _make_number(kind: Literal["int", "float"], words: tuple[int, ...]) -> Type:
-    """An integer or a float of 32 bits."""
-    bits = words[0]
-    if bits != 32:
-        word = {64: "double", 16: "float16_t"}.get(bits, "a number's type")
-        name = word if kind == "float" else f"int{bits}_t"
+    if words[0] != 32:
+        word = {64: "double", 16: "float16_t"}.get(words[0], "a number's type")
+        name = word if kind == "float" else f"int{words[0]}_t"
         raise NotInterpretedError(f"not interpreted: {name}")
     return Type(kind, signed=kind == "int" and bool(words[1]))
 
@@ -178,12 +171,9 @@ _FOLDED = (Op.FNegate, Op.FAdd, Op.FSub, Op.FMul, Op.FDiv, Op.VectorTimesScalar)
 
 @dataclass(eq=False)
 class Program:
-    """One stage, ready to be interpreted.
-
-    Attributes:
-        source: the text that the lines are of; None for a module from elsewhere.
-        variables: the type and storage class of every variable, those of functions too, by id.
-    """
+    """One stage, ready to be interpreted: `source` is the text that the lines are of, None for a
+    module from elsewhere, `variables` has the type and storage class of each, those of functions
+    too, by id."""
 
     module: Module
     source: Source | None
@@ -207,15 +197,14 @@ class Program:
         return self.functions[self.module.entry]
 
     @functools.cached_property
+    def instructions(self) -> tuple[Instruction, ...]:
+        """Those of all functions, in the module's order."""
+        return tuple(one for f in self.functions.values() for b in f.blocks.values() for one in b)
+
+    @functools.cached_property
     def definitions(self) -> dict[int, Instruction]:
         """The instruction that each result's id stands for."""
-        return {
-            instruction.id: instruction
-            for function in self.functions.values()
-            for block in function.blocks.values()
-            for instruction in block
-            if instruction.id
-        }
+        return {one.id: one for one in self.instructions if one.id}
 
     @functools.cached_property
     def numbers(self) -> frozenset[float]:
@@ -226,7 +215,7 @@ class Program:
             bits = struct.pack("I", word)
             code = "f" if type_.kind == "float" else "i" if type_.signed else "I"
             found.add(float(struct.unpack(code, bits)[0]))
-        for one in (one for f in self.functions.values() for b in f.blocks.values() for one in b):
+        for one in self.instructions:
             if one.op == Op.Switch:
                 found.update(float(number) for number in one.operands[2::2])
         return frozenset(found)
@@ -256,8 +245,7 @@ class Program:
 
     def line_of(self, op: int) -> int:
         """The first line that has an instruction of this opcode, 0 if none does."""
-        blocks = (block for f in self.functions.values() for block in f.blocks.values())
-        return next((one.line for block in blocks for one in block if one.op == op), 0)
+        return next((one.line for one in self.instructions if one.op == op), 0)
 
     def name(self, id_: int) -> str:
         """GLSL's name of a variable or function, "" for what the compiler made."""

@@ -40,17 +40,12 @@ from .values import (
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """A value that one path through a program stores.
-
-    Attributes:
-        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f,
-            "f(x)" what f is passed as x.
-        value: floats of the arithmetic, an `Integer`, a `TriBool`, or a tuple of such, with one row
-            or as many as there are invocations.
-        mask: the invocations that were here; the value means nothing to others.
-        calls: the lines of the calls that led here, the outermost first.
-        reads: what was loaded, and what functions gave, since the value that was stored before.
-    """
+    """A value that one path through a program stores. Its name is that of the variable, or of the
+    part of it, as GLSL writes it; "f()" is the result of f, "f(x)" what f is passed as x. It is
+    floats, an `Integer`, a `TriBool`, or a tuple of such, with one row or as many as there are
+    invocations, and means nothing to those that are not in the `mask`. `calls` has the lines of the
+    calls that led here, the outermost first, `reads` what was loaded, and what functions gave,
+    since the value that was stored before."""
 
     at: Instruction
     name: str
@@ -108,7 +103,6 @@ def precision_loss(event: Stored, row: int) -> float:
 
 
 def _size(band: Band, row: int) -> float:
-    """The largest absolute value that a band allows."""
     return float(np.maximum(np.abs(row_of(band.lo, row)), np.abs(row_of(band.hi, row))).max())
 
 
@@ -164,8 +158,7 @@ class EndlessError(NotInterpretedError):
     invocations: Flags = np.zeros(0, np.bool_)
 
 
-Conflict = tuple[Instruction, tuple[int, ...], str]
-"""An instruction, the lines of its calls, and what happens between invocations."""
+Conflict = tuple[Instruction, tuple[int, ...], str]  # with the lines of its calls, and the kind
 Watch = Callable[["Run", Instruction, PathState, Value], Value]
 """Called after each instruction but the last of a block, with its result; returns the result that
 counts."""
@@ -191,10 +184,7 @@ class Run:
         accesses: loads and stores of these since then, each with the invocations that did it.
         given: what the program's interface holds at first, by id.
         stale: buffers, and images by name, in which something was stored before a barrier.
-        texels: what is stored in images, by their names: for each of an invocation's stores who
-            does it, where, and what.
-        texels: by image, what is stored in it, as often as an invocation does: for whom, where,
-            and what.
+        texels: by image, the stores of each invocation, in order: whose they are, where, and what.
         conflicts: the invocations to which others of their workgroup do what GLSL does not define.
     """
 

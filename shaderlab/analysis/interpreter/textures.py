@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules, TriBool
-from shaderlab.compiler.spirv import Op, image_channels
+from shaderlab.compiler.spirv import Op
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath import sampling
 from shaderlab.glslmath.sampling import Sampler
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 _CODE = 1.0 / 255.0
 # Half a code off (Direct3D 11.3, functional specification, 3.2.3.7), where the curve is steepest.
 _SRGB = 0.5 * _CODE * 2.4 / 1.055
-_MOST_STORES = 256  # of an invocation
 _NARROW = 1.0 - 4.0 * WEIGHT  # of a place or a level, in texels or levels
 
 
@@ -145,8 +144,7 @@ def _find_wide(lookup: Lookup) -> Flags:
             ends = (np.clip(end, *texels.lod) for end in lookup.level)
             first, last = (np.clip(end, 0.0, len(texels.smaller)) for end in ends)
             wide = wide | ~(last - first < _NARROW)
-    found: Flags = wide
-    return found
+    return np.asarray(wide)
 
 
 def _any_texel(lookup: Lookup, rules: Rules) -> Band:
@@ -281,8 +279,7 @@ def _move_on_face(place: Array, moved: Array) -> Array:
     )
     major, turn = (np.take_along_axis(v, axis[..., None], -1) for v in (p, d))
     across: Array = 0.5 * (d * major - p * turn) / (major * major)
-    found: Array = np.take_along_axis(across, np.stack(minor, axis=-1), -1)
-    return found
+    return np.asarray(np.take_along_axis(across, np.stack(minor, axis=-1), -1))
 
 
 def _offset(rest: Mapping[int, list[Any]]) -> tuple[int, int]:
@@ -350,19 +347,15 @@ def _read_image(run: Run, at: Instruction, state: PathState) -> Any:
 def _write_image(run: Run, at: Instruction, state: PathState) -> None:
     """Keep an invocation's store beside its others, wherever it lies."""
     name, (place, value) = _image_name(run, at), run.values(at.operands[1:3])
-    image = run.program.definitions[at.operands[0]].type
-    value = value[..., : image_channels(run.program.module, image)]
+    value = value[..., : run.value(at.operands[0]).values.shape[-1]]
     run.trace_stored(at, name, value, state)
     kept, mask = run.texels.setdefault(name, []), state.mask
     here = TriBool.of(mask[:, None])
-    number = max((n for n, one in enumerate(kept, 1) if (one[0] & mask).any()), default=0)
-    if number == _MOST_STORES:
-        raise FormulaError(f"more than {number} stores in {name}")
+    number = next((n for n in range(len(kept), 0, -1) if (kept[n - 1][0] & mask).any()), 0)
     if number == len(kept):
-        nothing = value.derive(0 * value.lo) if isinstance(value, Integer) else None
-        if nothing is None:
-            nothing = run.arithmetic.exact(np.zeros((1, value.shape[-1])))
-        kept.append((np.zeros_like(mask), place.derive(0 * place.lo), nothing))
+        zero: Any = np.zeros((1, value.shape[-1]))
+        zero = value.derive(zero) if isinstance(value, Integer) else run.arithmetic.exact(zero)
+        kept.append((np.zeros_like(mask), place.derive(0 * place.lo), zero))
     before, *old = kept[number]
     place, value = (select(here, *pair) for pair in zip((place, value), old, strict=True))
     kept[number] = before | mask, place, value

@@ -176,10 +176,8 @@ class PathState:
     """The invocations on one path, and what each variable, phi and function's result is to them.
 
     A branch makes a state for each side. An invocation whose condition a band leaves open is in
-    both; where the paths meet, the states are joined.
-
-    Attributes:
-        memory: by id; what is stored for other invocations means nothing.
+    both; where the paths meet, the states are joined. `memory` goes by id; what is stored for other
+    invocations means nothing.
     """
 
     __slots__ = ("mask", "memory")
