@@ -238,7 +238,8 @@ def compare_texts(
     other = replace(source, text=text, stripped=None)
     count, untested = 0, []
     with use_worker(worker):
-        before, after = (Library(one, "", {}) for one in (source, other))
+        folder = os.path.dirname(source.path)
+        before, after = (Library(one, folder, {}) for one in (source, other))
         for name in sorted(names):
             for signature in before[name].signatures:
                 inputs = {i.name: i.type for i in (*signature.given, *signature.globals)}

@@ -402,6 +402,21 @@ def test_what_is_included_comes_after_what_it_needs(tmp_path: Path) -> None:
     assert places[-1].endswith("use.glsl") and len(set(places)) == 6
 
 
+def test_mutants_of_a_file_have_what_it_lacks_from_anywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(tmp_path / "library", turn="float turn(float x) { return max(x, x) * TAU; }\n")
+    file = tmp_path / "test_turn.py"
+    file.write_text(f"""from shaderlab import glsl
+turn = glsl.load({str(tmp_path / "library/turn.glsl")!r}).turn
+def test_turn(): assert turn(2.0) == 12.5
+""")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    said = call("mutate", file)[1]
+    assert "noticed: 100 %" in said and "gives other values" not in said
+
+
 def test_what_a_file_lacks_is_not_guessed(tmp_path: Path) -> None:
     write(tmp_path, turn=LIBRARY["turn.glsl"].replace("half_of(x)", "0.5 * x"))
     path, other = tmp_path / "turn.glsl", tmp_path / "math/more.glsl"
