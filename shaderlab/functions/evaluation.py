@@ -185,24 +185,16 @@ class Preprocess:
         return text
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """Asks where and why one of a file's functions does not compile; "" if it does."""
-
-    source: Source
-    signature: Signature
-
-    def perform(self, worker: BareWorker) -> str:
-        worker.note(f"compiling {self.signature.name}")
-        inputs = (*self.signature.given, *self.signature.globals)
-        opaque = tuple(one for one in inputs if one.type.opaque)
-        numbers = tuple(one for one in inputs if not one.type.opaque)
-        ((kernel, _), *_) = build_passes(self.source, Kernel(self.signature, (), numbers, opaque))
-        try:
-            cached_compiler()((kernel,), ("glsl",)).require()
-        except ShaderError as error:
-            return f"{error.file}: {error.message}"
-        return ""
+def find_refusal(source: Source, signature: Signature, worker: BareWorker) -> str:
+    """Where and why one of a file's functions does not compile; "" if it does."""
+    inputs = (*signature.given, *signature.globals)
+    numbers, opaque = (tuple(i for i in inputs if i.type.opaque is one) for one in (False, True))
+    ((kernel, _), *_) = build_passes(source, Kernel(signature, (), numbers, opaque))
+    try:
+        cached_compiler()((kernel,), ("glsl",)).require()
+    except ShaderError as error:
+        return f"{error.file}: {error.message}"
+    return ""
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,10 @@ from shaderlab.compiler.shader_files import (
     strip_comments,
 )
 from shaderlab.compiler.sources import Expansion, LineMap, Source, with_version
+from shaderlab.engine.jobs import Call
 from shaderlab.errors import ShaderError, ShaderlabError
 from shaderlab.files import display_path
-from shaderlab.functions.evaluation import Preprocess, Refusal
+from shaderlab.functions.evaluation import Preprocess
 from shaderlab.functions.signatures import (
     Declarations,
     Signature,
@@ -162,8 +163,10 @@ class Contents:
 
     def refusal(self, key: tuple[Any, ...], ask: Ask) -> str:
         """Why a function does not compile; "" if it does."""
-        one = self.by_place.get(key)
-        return "it is gone" if one is None else one.obstacle or ask(Refusal(self.read, one))
+        if (one := self.by_place.get(key)) is None:
+            return "it is gone"
+        work = "shaderlab.functions.evaluation:find_refusal"
+        return one.obstacle or ask(Call(work, (self.read, one)))
 
     def keeps(self, old: Contents, but: Collection[tuple[Any, ...]]) -> bool:
         """Whether all but some functions are what they were, and so is what they name."""

@@ -402,6 +402,7 @@ def test_what_is_included_comes_after_what_it_needs(tmp_path: Path) -> None:
     assert places[-1].endswith("use.glsl") and len(set(places)) == 6
 
 
+@pytest.mark.filterwarnings("ignore:.* lacks TAU")
 def test_mutants_of_a_file_have_what_it_lacks_from_anywhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
