@@ -270,9 +270,10 @@ class Recorder:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, Any, Any]:
-        from shaderlab.functions.library import take_notes
+        from shaderlab.functions.evaluation import keeping
+        from shaderlab.functions.library import NOTES, Notes
 
-        with take_notes() as notes:
+        with keeping(NOTES, Notes()) as notes:
             item.stash[_NOTES] = notes
             return (yield)
 

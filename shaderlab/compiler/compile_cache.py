@@ -140,10 +140,7 @@ def compile_with_lines(source: Source) -> Compiled:
     its module says which line of the text each instruction comes from, and computes constant
     expressions itself (see `keep_literals`) where the text compiles so. Raises ShaderError: as
     `compile_program`."""
-    folder = cache_folder()
-    if folder is None:
-        return _compile_with_lines(source)
-    return _cache(folder).compile_with_lines(source)
+    return _cache(cache_folder()).compile_with_lines(source)
 
 
 def _compile_with_lines(source: Source) -> Compiled:
@@ -160,8 +157,8 @@ def _compile_with_lines(source: Source) -> Compiled:
 
 
 @functools.cache
-def _cache(folder: Path) -> "CompileCache":
-    return CompileCache(Store(folder), compilers_digest)
+def _cache(folder: Path | None) -> "CompileCache":
+    return CompileCache(Store(folder or Path()), compilers_digest if folder else lambda: None)
 
 
 class CompileCache:

@@ -8,7 +8,6 @@ import sys
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -31,7 +30,7 @@ from shaderlab.files import display_path
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, find_ranges
 from shaderlab.functions.checks import CallLaw
-from shaderlab.functions.evaluation import evaluate, get_caller, keeping
+from shaderlab.functions.evaluation import evaluate, get_caller
 from shaderlab.functions.lacking import Contents, Definers, complete
 from shaderlab.functions.signatures import Signature, find_names_to_give
 from shaderlab.model.checked import check_arguments
@@ -51,16 +50,8 @@ class Notes:
         return bool(self.outcomes or self.called)
 
 
-_NOTES: ContextVar[Notes | None] = ContextVar("_NOTES", default=None)
-
-
-def current_notes() -> Notes | None:
-    """The notes of the test that runs; None if none are taken."""
-    return _NOTES.get()
-
-
-def take_notes() -> AbstractContextManager[Notes]:
-    return keeping(_NOTES, Notes())
+NOTES: ContextVar[Notes | None] = ContextVar("NOTES", default=None)
+"""The notes of the test that runs; None if none are taken."""
 
 
 def record_of_test(
@@ -151,12 +142,7 @@ class Loads:
         self.used.setdefault(source.text, set()).add(name)
 
 
-_LOADS: ContextVar[Loads | None] = ContextVar("_LOADS", default=None)
-
-
-def record_loads(texts: Mapping[str, str]) -> AbstractContextManager[Loads]:
-    """Take these texts in place of others, and note what is loaded."""
-    return keeping(_LOADS, Loads(texts))
+LOADS: ContextVar[Loads | None] = ContextVar("LOADS", default=None)
 
 
 class Function:
@@ -286,19 +272,19 @@ class Function:
             outcome = prove_law(self, law, ranges)
         except ShaderlabError as error:
             raise self._explain(error) from error.__cause__
-        if (found := current_notes()) is not None:
+        if (found := NOTES.get()) is not None:
             found.outcomes.append(replace(outcome, line=sys._getframe(1).f_lineno))
         if outcome.status != "pass":
             raise AssertionError(outcome.message)
 
     def _note(self, call: Call) -> Notes | None:
         """Note a call for the test that runs, or that no test makes it."""
-        found = current_notes()
+        found = NOTES.get()
         if found is not None:
             definition = checks.function_source(self, call)
             found.called.setdefault((definition.file, definition.line), definition)
             found.sources.setdefault(self.source.path, self.source)
-        elif (known := _LOADS.get()) is not None:
+        elif (known := LOADS.get()) is not None:
             known.called_outside.add(self.source.path)
         return found
 
@@ -354,7 +340,7 @@ class Library:
 
     def __init__(self, source: Source, folder: str, given: Mapping[str, Any]) -> None:
         self._written = source
-        self._source = source if (known := _LOADS.get()) is None else known.take(source)
+        self._source = source if (known := LOADS.get()) is None else known.take(source)
         self._folder = folder
         self._given = dict(given)
         names = set(find_names_to_give(self._contents.declared)) if given else set()
@@ -382,7 +368,7 @@ class Library:
                 file=self._source.path,
                 remedy=suggest(name, self._functions),
             )
-        if (known := _LOADS.get()) is not None:
+        if (known := LOADS.get()) is not None:
             known.use(self._written, name)
         return Function(self._read, found, self._folder, self._given)
 

@@ -17,7 +17,7 @@ from shaderlab.bands.rounding import LARGEST, shortest
 from shaderlab.errors import CallError, require_extra, suggest
 from shaderlab.files import display_path
 from shaderlab.functions.call import is_range
-from shaderlab.functions.library import Function, current_notes
+from shaderlab.functions.library import NOTES, Function
 from shaderlab.model.checked import Checked, check_arguments, is_array
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Outcome, SourceText
@@ -544,7 +544,7 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
 def _run(search: Search, function: Function, batch: Batch, at: int) -> None:
     """Run a batch, and note how it fares, where a report wants it: whether it is proved."""
     __tracebackhide__ = True
-    found = current_notes()
+    found = NOTES.get()
     file, line = function.place
     outcome = Outcome(
         name=function.__name__,

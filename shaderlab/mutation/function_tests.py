@@ -25,8 +25,8 @@ from shaderlab.engine.catalogue import is_project_file
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, require_extra
 from shaderlab.files import display_path
 from shaderlab.functions.checks import split_result
-from shaderlab.functions.evaluation import use_worker
-from shaderlab.functions.library import Function, Library, Loads, record_loads, record_of_test
+from shaderlab.functions.evaluation import keeping, use_worker
+from shaderlab.functions.library import LOADS, Function, Library, Loads, record_of_test
 from shaderlab.functions.properties import Domain, bools, floats, hints_of, ints
 from shaderlab.functions.signatures import Type
 from shaderlab.model.frame import Array
@@ -88,7 +88,7 @@ class RunTestFile:
         with ExitStack() as stack:
             stack.enter_context(_forgetting_own_modules())
             stack.enter_context(use_worker(worker))
-            loads = stack.enter_context(record_loads(self.texts))
+            loads = stack.enter_context(keeping(LOADS, Loads(self.texts)))
             session = _Session(worker, self.file, self.only)
             stack.enter_context(redirect_stdout(io.StringIO()))
             recorder = Recorder(lambda _, record: session.records.append(record), every=True)

@@ -15,7 +15,8 @@ from shaderlab import glsl
 from shaderlab.bands import Band
 from shaderlab.errors import CallError, FormulaError
 from shaderlab.functions import properties
-from shaderlab.functions.library import record_of_test, take_notes
+from shaderlab.functions.evaluation import keeping
+from shaderlab.functions.library import NOTES, Notes, record_of_test
 from shaderlab.functions.properties import hints_of, weight
 
 SHADER = """
@@ -223,7 +224,7 @@ def test_samples_stay_in_their_domain_and_reach_its_edges() -> None:
 
 def outcomes(test: Callable[..., Any]) -> list[tuple[str, int]]:
     """The kinds of what a test that passes notes, and on how many arguments it ran."""
-    with take_notes() as notes:
+    with keeping(NOTES, Notes()) as notes:
         test()
     return [
         (one.kind, one.judged)
