@@ -38,7 +38,6 @@ _LACKED = re.compile(
 _BODILESS = re.compile(r"No function definition \(body\) found:\s*(\w+)")
 _HEAD = re.compile(r"\s*(?:#\s*(?:version|extension|define)\b.*(?<!\\)|precision\s[^;]*;\s*)?")
 _TOKEN = re.compile(r"\w+|[^\w\s]")
-_MOST = 16  # files that one function lacks
 _BLOCK = r"\{(?:[^{}]|%s)*+\}"
 _BODY = functools.reduce(lambda inner, _: _BLOCK % inner, range(8), r"\{[^{}]*\}")
 
@@ -153,13 +152,13 @@ class Contents:
         return {(one.name, *self.read.place(one.line)): one for one in every}
 
     @functools.cached_property
-    def texts(self) -> dict[tuple[Any, ...], list[str]]:
-        """What is declared, by names, file and line."""
-        found: dict[tuple[Any, ...], list[str]] = {}
-        for one in self.declared.all:
-            words = _TOKEN.findall(self.declared.text[one.start : one.end])
-            found.setdefault((*one.declares, *self.read.place(one.line)), []).extend(words)
-        return found
+    def texts(self) -> frozenset[tuple[tuple[Any, ...], str]]:
+        """What is declared: names, file and line, and the text's words."""
+        text, place = self.declared.text, self.read.place
+        return frozenset(
+            ((*d.declares, *place(d.line)), " ".join(_TOKEN.findall(text[d.start : d.end])))
+            for d in self.declared.all
+        )
 
     def refusal(self, key: tuple[Any, ...], ask: Ask) -> str:
         """Why a function does not compile; "" if it does."""
@@ -170,25 +169,23 @@ class Contents:
 
     def keeps(self, old: Contents, but: Collection[tuple[Any, ...]]) -> bool:
         """Whether all but some functions are what they were, and so is what they name."""
-        kept = {key: text for key, text in old.texts.items() if key not in but}
-        names = frozenset(itertools.chain(*kept.values()))
-        added = (key[:-2] for key in self.texts.keys() - old.texts.keys())
-        return kept.items() <= self.texts.items() and names.isdisjoint(itertools.chain(*added))
+        kept = [(key, text) for key, text in old.texts if key not in but]
+        added = [key[:-2] for key, _ in self.texts - old.texts if key not in but]
+        words = {word for _, text in kept for word in text.split()}
+        return self.texts.issuperset(kept) and words.isdisjoint(itertools.chain(*added))
 
 
 def complete(source: Source, folders: Sequence[Path], ask: Ask) -> Contents:
     """A file with what its functions lack, where one definition in the shader folders can be meant.
     A function that compiles as it is keeps its text."""
     found, definers, added = Contents.of(source, ask), Definers(folders), list[Expansion]()
-    lacking = [key for key, one in found.by_place.items() if one.lacks]
-    lacking = [key for key in lacking if found.refusal(key, ask)]
+    lacking = [k for k, one in found.by_place.items() if one.lacks and found.refusal(k, ask)]
     for key in lacking:
         with contextlib.suppress(ShaderError):
             tried, texts, notes = found, [*added], found.written.notes
-            while said := tried.refusal(key, ask):
-                more = definers.include(said, tried.written) if len(texts) < _MOST else None
-                if more is None:
-                    break
+            while (said := tried.refusal(key, ask)) and (
+                more := definers.include(said, tried.written)
+            ):
                 # What lacks it comes after it: another text that was added, or the file itself.
                 users = (n for n, one in enumerate(texts) if said.startswith(tuple(one.parts)))
                 texts.insert(next(users, len(texts)), more[0])

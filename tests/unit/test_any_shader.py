@@ -431,6 +431,14 @@ def test_what_a_file_lacks_is_not_guessed(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="lacks TAU"):
         assert glsl.load(path).turn(2.0) == 6.25
     other.write_text("")
+    (tmp_path / "math/const.glsl").unlink()
+    other.unlink()
+    outside = tmp_path.parent / f"{tmp_path.name}_const.glsl"
+    outside.write_text("#define TAU 6.25\n")
+    (tmp_path / "math/const.glsl").symlink_to(outside)
+    with pytest.raises(ShaderError, match="define TAU first"):
+        glsl.load(path).turn(1.0)
+    (tmp_path / "math/const.glsl").unlink()
     (tmp_path / "math/const.glsl").write_text("#define TAU 6.25\nvoid main() {}\n")
     with pytest.raises(ShaderError, match=r"TAU is defined in math/const.glsl: include it first"):
         glsl.load(path).turn(1.0)
