@@ -25,9 +25,12 @@ EXTENSIONS: Mapping[str, str] = {
     ".vsh": "vertex", ".gsh": "geometry", ".fsh": "fragment", ".csh": "compute",
 }  # fmt: skip
 _PRAGMA = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+shader_stage[ \t]*\([ \t]*(\w*)[ \t]*\)", re.M)
-# Words that one stage alone has.
+# Words that one stage alone has, or the vertex stage and one of those before it here.
 _TELLING = {
-    "vertex": re.compile(r"\bgl_(?:Vertex(?:ID|Index)?|Normal|MultiTexCoord0)\b|\battribute\b"),
+    "geometry": re.compile(r"\bEmitVertex\b"),
+    "tess_control": re.compile(r"\bgl_InvocationID\b"),
+    "tess_evaluation": re.compile(r"\bgl_TessCoord\b"),
+    "vertex": re.compile(r"\bgl_(?:Position|Vertex\w*|Normal|MultiTexCoord0)\b|\battribute\b"),
     "fragment": re.compile(r"\bgl_Frag(?:Color|Data|Coord|Depth)\b|\bdiscard\s*;"),
     "compute": re.compile(r"\bgl_GlobalInvocationID\b|\blocal_size_x\b"),
 }
@@ -206,8 +209,11 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
     if pragma is None and _is_shadertoy(code):
         return "fragment"
     telling = [stage for stage, word in _TELLING.items() if word.search(code)]
-    if pragma is None and len(telling) == 1:
+    between = telling and telling[0] not in ("vertex", "fragment", "compute")
+    if pragma is None and (between or len(telling) == 1):
         return telling[0]
+    if pragma is None and not telling and MAIN.search(code) and _STAGE_VARIABLE.search(code):
+        return "fragment"  # all others write gl_Position
     if pragma is None:
         raise ShaderError(
             "can't tell the shader's stage from its name",
@@ -264,26 +270,63 @@ HOST_INPUTS: Mapping[str, tuple[str, tuple[int, ...]]] = {
 """Those and the ones of glslViewer (its wiki, "GlslViewer UNIFORMS", and "Native Uniforms" of
 glsl-pipeline), three of which The Book of Shaders has."""
 
+_THREE_UNIFORMS = {
+    "modelMatrix": "mat4", "modelViewMatrix": "mat4", "projectionMatrix": "mat4",
+    "viewMatrix": "mat4", "normalMatrix": "mat3", "cameraPosition": "vec3",
+}  # fmt: skip
+_THREE_ATTRIBUTES = {"position": "vec3", "normal": "vec3", "uv": "vec2"}
+# An input or output that stands by itself, and is no parameter.
+_STAGE_VARIABLE = re.compile(
+    r"^[ \t]*(?:layout\s*\([^)]*\)\s*)?(?:flat\s+)?(?:in|out)\s[^;(){}]*;", re.M
+)
+
 
 def frame_text(code: str, stage: str) -> tuple[Sequence[str], Sequence[str]]:
     """Return the rows to put before and after a shader without `#version`.
 
-    A Shadertoy image gets its inputs and a `main`. Text that states default precisions is WebGL 1's
-    GLSL ES 1.00, which has no other version, and so is a vertex stage of attributes, which needs
-    none; all else is desktop GLSL 1.10, as the specification has it.
+    A Shadertoy image gets its inputs and a `main`, a shader of three.js what that declares. Text
+    that states default precisions is of WebGL, and so is a vertex stage of attributes, which needs
+    none: GLSL ES 1.00, which has no other version, or 3.00 where inputs and outputs are `in` and
+    `out`. With those, all else is GLSL 3.30, without them 1.10, as the specification has it.
     """
     if stage == "fragment" and _is_shadertoy(code):
         inputs = [
             f"uniform {kind} {name}{''.join(map('[{}]'.format, sizes))};"
             for name, (kind, sizes) in SHADERTOY_INPUTS.items()
-            if re.search(rf"\b{name}\b", code)
-            and not re.search(rf"\buniform\s[^;]*\b{name}\b", code)
+            if _is_undeclared(name, code)
         ]
         output = "layout (location = 0) out vec4 shadertoy_color;"
         main = "void main() { mainImage(shadertoy_color, gl_FragCoord.xy); }"
         return ["#version 330 core", *inputs], [output, main]
+    modern = MAIN.search(code) is not None and _STAGE_VARIABLE.search(code) is not None
+    rows = _declare_as_three(code, stage, "in" if modern else "attribute")
     plain = stage == "vertex" and "attribute" in code and not _DESKTOP.search(code)
-    return ["#version 100"] if plain or _PRECISION.search(code) else [], []
+    embedded = rows or plain or _PRECISION.search(code)
+    if modern:
+        return ["#version 300 es" if embedded else "#version 330 core", *rows], []
+    return ["#version 100", *rows] if embedded else [], []
+
+
+def _declare_as_three(code: str, stage: str, attribute: str) -> list[str]:
+    """What three.js puts before a shader that uses, undeclared, what it declares in those of a
+    ShaderMaterial (its manual, "WebGLProgram": Built-in uniforms and attributes)."""
+    uniforms = [name for name in _THREE_UNIFORMS if _is_undeclared(name, code)]
+    if not uniforms or stage not in ("vertex", "fragment") or not MAIN.search(code):
+        return []
+    rows = [f"uniform {_THREE_UNIFORMS[name]} {name};" for name in uniforms]
+    for name, kind in _THREE_ATTRIBUTES.items():
+        if stage == "vertex" and _is_undeclared(name, code):
+            rows.append(f"{attribute} {kind} {name};")
+    return ["precision highp float;", *rows]
+
+
+def _is_undeclared(name: str, code: str) -> bool:
+    """Whether a name is used, and no uniform, attribute, input, vector or matrix is called so."""
+    used = re.search(rf"\b{name}\b", code)
+    declared = (
+        rf"\b(?:uniform|attribute|in|varying)\s[^;(){{}}]*\b{name}\b|(?:vec|mat)\d\s+{name}\b"
+    )
+    return used is not None and re.search(declared, code) is None
 
 
 def _is_shadertoy(code: str) -> bool:

@@ -376,7 +376,8 @@ void main()
 
 def test_a_file_of_no_stage_is_told_what_to_do(tmp_path: Path) -> None:
     file = tmp_path / "law.glsl"
-    file.write_text("out vec4 color;\nvoid main() { color = vec4(1.0); }\n")
+    file.write_text("#ifdef FRAGMENT\nvoid main() { gl_FragColor = vec4(1.0); }\n#else\n"
+                    "void main() { gl_Position = vec4(1.0); }\n#endif\n")  # fmt: skip
     result = CliRunner().invoke(command, [str(file), "-j", "0"], standalone_mode=False)
     assert result.return_value == 2
     assert "can't tell the shader's stage" in result.output

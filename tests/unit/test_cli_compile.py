@@ -126,7 +126,8 @@ def test_targets_and_stage_can_be_chosen(tmp_path: Path) -> None:
     result = compile_(tmp_path / "lamp.txt", "--stage", "fragment", "-t", "vulkan", "-t", "glsl")
     assert result.exit_code == 0, result.output
     assert [line.split()[0] for line in result.output.splitlines()] == ["target", "vulkan", "glsl"]
-    assert compile_(tmp_path / "lamp.txt").exit_code == 1
+    (tmp_path / "any.txt").write_text("#version 330 core\nvoid main() {}\n")
+    assert compile_(tmp_path / "any.txt").exit_code == 1
     assert compile_(tmp_path / "lamp.txt", "--target", "metal").exit_code == 2
     assert compile_(tmp_path / "lamp.txt", "--stage", "pixel").exit_code == 2
 
