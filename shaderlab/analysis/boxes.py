@@ -281,8 +281,7 @@ def may_go_wrong(check: Check, ends: Sequence[tuple[Array, Array]]) -> Flags | N
     constants that don't, such as the bounds of a clamp.
 
     A margin is least at a corner, for it rises or falls in each operand or is the lesser of such;
-    those that are never negative and bad at 0 are least where each operand is next to 0.
-    """
+    those that are never negative and bad at 0 are least where each operand is next to 0."""
     finite = [tuple(np.clip(end, -LARGEST, LARGEST) for end in pair) for pair in ends]
     nearest = [np.clip(0.0, low, high) for low, high in finite]
     if len(ends) == 1 and ends[0][0].shape[-1] > 1:  # of a vector's length, whose squares underflow

@@ -245,8 +245,7 @@ def _instrument(text: str, watched: Sequence[_Watch]) -> tuple[str, list[_Cells]
     """The text with values watched, and where each of them is written.
 
     The outputs are `vec4`s. The last component of each counts which of the first three were
-    written: the sum of 1 for the first, 2 for the second and 4 for the third.
-    """
+    written: the sum of 1 for the first, 2 for the second and 4 for the third."""
     free = ((f"{_SEEN}{n // _VALUES}", n % _VALUES) for n in itertools.count())
     found = [tuple(itertools.islice(free, watch.size)) for watch in watched]
     notes: dict[Statement, str] = {}

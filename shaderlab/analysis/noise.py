@@ -38,8 +38,7 @@ class PerturbedFloat(Numbers):
     All runs are one: the invocations come 1 + `copies` times, a block of `count` after the other,
     the first without noise. Operations err by 2^-52; numbers that the shader got or whose author
     wrote more digits than a float32 has, by half of a float32 ULP; what needs no rounding by
-    nothing. What GLSL leaves undefined is NaN in all blocks.
-    """
+    nothing. What GLSL leaves undefined is NaN in all blocks."""
 
     dtype: Any = np.float64
     count: int = 1

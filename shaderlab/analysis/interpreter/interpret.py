@@ -31,8 +31,7 @@ def memory_of(
 ) -> dict[int, Value]:
     """What the program's global variables hold at first, by id.
 
-    What nothing is given for is `Missing`, which only reading makes an error.
-    """
+    What nothing is given for is `Missing`, which only reading makes an error."""
     rules, index = arithmetic.rules, np.ravel(each.get(NUMBERS[3], ()))
     if program.group > 1 and not (rules and rules.ranges):
         whole = np.tile(np.arange(program.group), len(index) // program.group or 1)

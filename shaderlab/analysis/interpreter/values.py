@@ -162,6 +162,7 @@ def broadcast(value: Value, count: int) -> Value:
 
 
 Flags = npt.NDArray[np.bool_]
+_FEW = 4  # values that are chosen from one by one
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,8 +178,7 @@ class PathState:
 
     A branch makes a state for each side. An invocation whose condition a band leaves open is in
     both; where the paths meet, the states are joined. `memory` goes by id; what is stored for other
-    invocations means nothing.
-    """
+    invocations means nothing."""
 
     __slots__ = ("mask", "memory")
 
@@ -220,14 +220,28 @@ def indices(index: Integer, size: int, mask: Flags) -> range:
 
 def fetch(value: Value, path: Sequence[int | Integer], mask: Flags) -> Value:
     """The part of a value at the end of a path; an index beyond the ends means the last one."""
-    for index in path:
+    for i, index in enumerate(path):
         if value is None:
             return None
         if isinstance(index, Integer):
-            value = _pick(value, _size(value), index, mask)
-        else:
-            value = component(value, min(max(index, 0), _size(value) - 1))
+            few = indices(index, _size(value), mask)
+            parts = [fetch(component(value, k), path[i + 1 :], mask) for k in few]
+            return _choose(index, few, parts)
+        value = component(value, min(max(index, 0), _size(value) - 1))
     return value
+
+
+def _choose(index: Integer, few: range, parts: Sequence[Value]) -> Value:
+    """Of each invocation the part with its index."""
+    plain = [p.lo if type(p) is Integer and p.known and p.rules is None else p for p in parts]
+    if len(few) > _FEW and all(type(part) is np.ndarray and part.ndim == 2 for part in plain):
+        table = np.stack(np.broadcast_arrays(*plain, np.zeros((len(index.lo), 1)))[:-1])
+        found = table[np.clip(index.lo[:, 0] - few[0], 0, len(few) - 1), np.arange(len(index.lo))]
+        return found if plain[0] is parts[0] else Integer(found, unsigned=parts[0].unsigned)
+    found = parts[0]
+    for k, part in zip(few[1:], parts[1:], strict=True):
+        found = select(_is(index, k), part, found)
+    return found
 
 
 def _clamp_index(index: int | Integer, size: int) -> int | Integer:
@@ -239,14 +253,6 @@ def _clamp_index(index: int | Integer, size: int) -> int | Integer:
 
 def _size(value: Value) -> int:
     return len(value) if isinstance(value, tuple) else int(value.shape[-1])
-
-
-def _pick(value: Value, size: int, index: Integer, mask: Flags) -> Value:
-    few = indices(index, size, mask)
-    found = component(value, few[0])
-    for k in few[1:]:
-        found = select(_is(index, k), component(value, k), found)
-    return found
 
 
 def _is(index: Integer, number: int) -> TriBool:
