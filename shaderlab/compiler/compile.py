@@ -30,14 +30,9 @@ from .syntax import Node, Syntax, walk
 
 @dataclass(frozen=True)
 class Compiled:
-    """A program's verdicts, modules and interface.
-
-    Attributes:
-        verdicts: one for each target, in the order they were given.
-        spirv: each stage's module, for each SPIR-V target that accepts the program. Locations of
-            varyings and uniforms agree between stages.
-        sources: the stages, in pipeline order.
-    """
+    """A program's verdicts, one for each target in the order they were given, its modules by stage
+    for each SPIR-V target that accepts it, in which locations of varyings and uniforms agree
+    between stages, and its interface."""
 
     verdicts: tuple[Verdict, ...]
     spirv: Mapping[str, Mapping[str, bytes]]
@@ -186,11 +181,9 @@ def compile_plain(sources: Sequence[Source]) -> Result:
 
 
 def compile_spirv(sources: Sequence[Source], target: str, plain: Result) -> Result:
-    """Link the stages, make SPIR-V for a target and validate it.
-
-    Stages that `plain` GLSL refuses may be right for a SPIR-V target, which knows more words.
-    Where it refuses the same lines, what plain GLSL says is the answer.
-    """
+    """Link the stages, make SPIR-V for a target and validate it. Stages that `plain` GLSL refuses
+    may be right for a SPIR-V target, which knows more words. Where it refuses the same lines, what
+    plain GLSL says is the answer."""
     newer = [raise_version(s) if is_embedded(*s.version) else s for s in sources]
     if newer != list(sources):
         result = compile_spirv(newer, target, plain)
@@ -402,10 +395,8 @@ _SAMPLER = re.compile(r"\buniform\s+(sampler2D|samplerCube)\s+(\w+)")
 
 def find_below_highp(source: Source) -> str:
     """Return the first thing that a driver may read or compute at 16 bits or fewer, as a sentence
-    that begins with its place; "" if there is none, as in all of desktop GLSL.
-
-    Without a declaration a `sampler2D` and a `samplerCube` are lowp (GLSL ES 3.00, §4.5.4).
-    """
+    that begins with its place; "" if there is none, as in all of desktop GLSL. Without a
+    declaration a `sampler2D` and a `samplerCube` are lowp (GLSL ES 3.00, §4.5.4)."""
     code = source.code
     if not is_embedded(*source.version):
         return ""

@@ -35,13 +35,9 @@ _SIGNATURE = "Signature: 8a477f597d28d172789f06886806bc55\n"
 
 
 class Store:
-    """A folder of entries, created when the first one is put into it.
-
-    Args:
-        folder: where entries lie, in sixteen folders by the first digit of their keys.
-        limit: bytes of disk for all entries, exceeded by a few entries at most. Each of the
-            sixteen folders may take a sixteenth of it; larger entries are not stored.
-    """
+    """A folder of entries, created when the first one is put into it, in sixteen folders by the
+    first digit of their keys. `limit` is bytes of disk for all entries, exceeded by a few at most:
+    each of the sixteen may take a sixteenth of it, and larger entries are not stored."""
 
     def __init__(self, folder: Path, limit: int = LIMIT) -> None:
         self.folder = folder
@@ -162,12 +158,8 @@ def _cache(folder: Path | None) -> "CompileCache":
 
 
 class CompileCache:
-    """Compiles each program once and stores the result.
-
-    Args:
-        compilers: returns a digest of the compilers, or None to switch the cache off; called
-            once, for the first program.
-    """
+    """Compiles each program once and stores the result. `compilers` returns a digest of the
+    compilers, or None to switch the cache off; it is called once, for the first program."""
 
     def __init__(self, store: Store, compilers: Callable[[], str | None]) -> None:
         self._store = store

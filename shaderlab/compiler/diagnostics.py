@@ -61,11 +61,8 @@ def _find_foreign(source: Source, line: int) -> tuple[str, str] | None:
 
 
 def parse_link_log(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
-    """Return the diagnostics in a link's log.
-
-    The log has no lines. A message that quotes a declaration, such as `" vec3 normal"`, gets the
-    file and line of that declaration in the last stage that has it.
-    """
+    """Return the diagnostics in a link's log, which has no lines. A message that quotes a
+    declaration, such as `" vec3 normal"`, gets its file and line in the last stage that has it."""
     found: dict[Diagnostic, None] = {}
     for severity, rest in _entries(log):
         linking = _LINKING.match(rest)
@@ -178,10 +175,8 @@ def parse_driver_log(log: str, source: Source, *, ok: bool) -> tuple[Diagnostic,
 
 def mark_disagreement(verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
     """Return the verdicts, with the driver's status "disagrees" if plain GLSL's verdict differs.
-
-    The first diagnostic says so. It is a warning, since the side that refuses the program has
-    reported its errors already.
-    """
+    The first diagnostic says so, as a warning: the side that refuses the program has reported its
+    errors."""
     by_target = {verdict.target: verdict for verdict in verdicts}
     plain, driver = by_target.get("glsl"), by_target.get(DRIVER)
     if plain and driver and not (plain.status or driver.status) and plain.ok != driver.ok:
@@ -231,11 +226,8 @@ def find_crash(source: Source) -> Diagnostic | None:
 
 
 def check_version(source: Source, target: str) -> Diagnostic | None:
-    """glslang's error for a `#version` too old for SPIR-V.
-
-    Below these versions glslang can't parse its own built-in functions, and prints all of them
-    to the process's standard output.
-    """
+    """glslang's error for a `#version` too old for SPIR-V. Below these versions glslang can't parse
+    its own built-in functions, and prints all of them to the process's standard output."""
     minimum, name = SETTINGS[target].minimum, SETTINGS[target].api
     version, profile = source.version
     if version >= minimum or profile == "es" or version == 100:

@@ -52,11 +52,9 @@ ALL_TARGETS = tuple(SETTINGS)
 
 @dataclass(frozen=True)
 class Linked:
-    """The result of linking: each stage's parse log, the link's log, and the modules by stage.
-
-    `ok` is glslang's own verdict; `modules` is empty if it is false or the target has none.
-    `parsed` is whether each stage is free of errors.
-    """
+    """The result of linking: whether each stage is free of errors, glslang's own verdict, each
+    stage's parse log, the link's log, and the modules by stage, none if that is false or the target
+    has none."""
 
     parsed: bool
     ok: bool

@@ -21,14 +21,10 @@ WORK = "shaderlab.compiler.harness:Work"
 
 @dataclass(frozen=True, kw_only=True)
 class CompileOptions:
-    """How to compile files.
-
-    Attributes:
-        include: folders to include from, after a file's own root.
-        stage: every file's stage; by default its extension or `#pragma shader_stage` says it.
-        driver: the function that returns a driver's verdict on a program, as "module:function".
-        driver_name: the driver to use, and what its verdicts' target is called.
-    """
+    """How to compile files: for which targets, with folders to include from after a file's own
+    root, and with every file's stage, where its extension or `#pragma shader_stage` does not say
+    it. `driver` is the function that returns a driver's verdict on a program, as "module:function",
+    `driver_name` the driver to use, and what its verdicts' target is called."""
 
     targets: Sequence[str] = TARGETS
     include: Sequence[str | Path] = ()
@@ -52,11 +48,9 @@ class CompileJob:
 
 @dataclass(frozen=True, kw_only=True)
 class FileResult:
-    """Every target's verdict on one file, or on the files of one program.
-
+    """Every target's verdict on one file, or on the files of one program, and then the driver's.
     The path is as it was named, the stage one of `STAGES` or "" if unknown; those of a program's
-    files are joined by " + ". The driver's verdict follows the targets'.
-    """
+    files are joined by " + "."""
 
     path: str
     stage: str

@@ -62,12 +62,10 @@ def drop_repeated(module: bytes) -> bytes:
 
 
 def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> dict[str, bytes]:
-    """Return the modules with numbers that agree between stages.
-
-    Each input gets the location of the previous stage's output of that name, and each uniform,
-    sampler and block gets one location and one binding in all stages. Numbers that the author
-    wrote stay. Modules that agree already are not changed.
-    """
+    """Return the modules with numbers that agree between stages: each input gets the location of
+    the previous stage's output of that name, and each uniform, sampler and block one location and
+    one binding in all stages. Numbers that the author wrote stay. Modules that agree already are
+    not changed."""
     parsed = {stage: parse(data) for stage, data in modules.items()}
     words = {stage: list(module.words) for stage, module in parsed.items()}
     for writer, reader in pairwise(stage for stage in STAGES if stage in parsed):
@@ -146,11 +144,9 @@ def _find_locations(parsed: Mapping[str, Module], stage: str, storage: int) -> d
 
 
 def _namespaces(parsed: Mapping[str, Module]) -> Iterator[Mapping[str, Sequence[_Use]]]:
-    """For each range of numbers that a program's stages share, its uses by name.
-
-    OpenGL numbers uniform locations, texture units, image units, uniform and storage blocks
-    separately; Vulkan has one range of bindings for each descriptor set.
-    """
+    """For each range of numbers that a program's stages share, its uses by name. OpenGL numbers
+    uniform locations, texture units, image units, uniform and storage blocks separately; Vulkan has
+    one range of bindings for each descriptor set."""
     found: dict[object, dict[str, list[_Use]]] = {}
     for stage, module in parsed.items():
         for id_, (_, storage) in module.variables.items():

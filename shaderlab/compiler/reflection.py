@@ -206,13 +206,11 @@ class Variable:
 
 @dataclass(frozen=True, kw_only=True)
 class Member:
-    """One member of a block. Sizes, strides and `offset` are in bytes; strides that don't apply
-    are 0. `size` covers all elements of an array, and is 0 for an array of run-time length.
-
+    """One member of a block. Sizes, strides and `offset` are in bytes; strides that don't apply are
+    0. `size` covers all elements of an array, and is 0 for an array of run-time length.
     `record_stride` is that of the array of structs of run-time length that the member lies in; it
     is described for the first of them ("particles[0].position"). `readonly` is what GLSL says of
-    members of storage blocks.
-    """
+    members of storage blocks."""
 
     name: str
     type: str
@@ -228,11 +226,9 @@ class Member:
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
-    """A uniform or storage block: members by their names without the block's.
-
-    `size` is in bytes, rounded up to 16 for uniform blocks as std140 has it; for a storage
-    block that ends in an array of run-time length it is the size without that array.
-    """
+    """A uniform or storage block: members by their names without the block's. `size` is in bytes,
+    rounded up to 16 for uniform blocks as std140 has it; for a storage block that ends in an array
+    of run-time length it is the size without that array."""
 
     name: str
     kind: Literal["uniform", "storage"]
@@ -246,14 +242,10 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True)
 class Interface:
-    """Everything that a program declares, by name, without built-ins (`gl_…`).
-
-    Attributes:
-        vertex_outputs: outputs of the last stage before rasterisation.
-        evaluation_inputs: inputs of the tessellation evaluation stage, by a patch's vertices.
-        patch_vertices: of the patches that the tessellation control stage makes; 0 without one.
-        uniforms: uniforms outside blocks, samplers and images among them.
-    """
+    """Everything that a program declares, by name, without built-ins (`gl_…`): uniforms are those
+    outside blocks, samplers and images among them, vertex outputs those of the last stage before
+    rasterisation, evaluation inputs those of that stage, by a patch's vertices, of which the
+    tessellation control stage makes so many (0 without one)."""
 
     attributes: Mapping[str, Variable] = field(default_factory=dict)
     varyings: Mapping[str, Variable] = field(default_factory=dict)

@@ -282,13 +282,11 @@ _STAGE_VARIABLE = re.compile(
 
 
 def frame_text(code: str, stage: str) -> tuple[Sequence[str], Sequence[str]]:
-    """Return the rows to put before and after a shader without `#version`.
-
-    A Shadertoy image gets its inputs and a `main`, a shader of three.js what that declares. Text
-    that states default precisions is of WebGL, and so is a vertex stage of attributes, which needs
-    none: GLSL ES 1.00, which has no other version, or 3.00 where inputs and outputs are `in` and
-    `out`. With those, all else is GLSL 3.30, without them 1.10, as the specification has it.
-    """
+    """Return the rows to put before and after a shader without `#version`. A Shadertoy image gets
+    its inputs and a `main`, a shader of three.js what that declares. Text that states default
+    precisions is of WebGL, and so is a vertex stage of attributes, which needs none: GLSL ES 1.00,
+    which has no other version, or 3.00 where inputs and outputs are `in` and `out`. With those, all
+    else is GLSL 3.30, without them 1.10, as the specification has it."""
     if stage == "fragment" and _is_shadertoy(code):
         inputs = [
             f"uniform {kind} {name}{''.join(map('[{}]'.format, sizes))};"

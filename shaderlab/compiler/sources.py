@@ -307,16 +307,10 @@ def _chain(trail: Iterable[tuple[File, int]]) -> str:
 
 @dataclass(frozen=True)
 class Source:
-    """One shader after `#include`.
-
-    Attributes:
-        name: as it was loaded, e.g. "lamps/attenuation.frag".
-        path: the file on disk, or the name if the text is not a file's.
-        text: what the compiler gets, with line ends "\\n".
-        lines: for each line of `text`, the author's file and line.
-        parts: each contributing file's path and own text, the main file first.
-        notes: what was added, in words.
-    """
+    """One shader after `#include`: the name that it was loaded by, such as
+    "lamps/attenuation.frag", the file on disk (or the name if it is not a file's), what the
+    compiler gets, with line ends "\\n", for each line of that the author's file and line, each
+    contributing file's path and own text, the main file first, and in words what was added."""
 
     name: str
     path: str
@@ -370,14 +364,10 @@ def with_version(source: Source) -> Source:
 
 
 class Shaders(Roots):
-    """Loads shaders by name from a list of root folders.
-
-    Args:
-        overrides: by a shader's name, the text to use, or the file to read, in its place.
-            Applies to included files as well.
-        defines: macros to put after each shader's `#version` line; a value may be "".
-        renames: names in the files of `overrides`, and what they are called instead.
-    """
+    """Loads shaders by name from a list of root folders. `overrides` has by a shader's name the
+    text to use, or the file to read, in its place, where it is included as well, `defines` macros
+    to put after each `#version` line, and `renames` what names in the files of `overrides` are
+    called instead."""
 
     def __init__(
         self,

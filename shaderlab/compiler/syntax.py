@@ -43,14 +43,9 @@ class TypeSpecifier:
 
 @dataclass(frozen=True)
 class Declarator:
-    """A variable, member or parameter as it is declared.
-
-    Attributes:
-        name: "" for a parameter without one.
-        type: with the lengths of the name, then those of the type.
-        qualifiers: the words before the type, those of its layout included.
-        initialiser: its text, "" for none.
-    """
+    """A variable, member or parameter as it is declared: its name ("" for a parameter without one),
+    its type with the lengths of the name, then those of the type, the words before that, those of
+    its layout included, and the text of its initialiser, "" for none."""
 
     name: str
     type: TypeSpecifier
@@ -104,11 +99,9 @@ class GlslDeclaration:
 
 
 class Syntax:
-    """One shader's text, parsed; `stage` is its stage, "" where that does not matter.
-
-    Parsing never fails: what the grammar does not know becomes an error node, which `walk`
-    leaves out together with everything below it.
-    """
+    """One shader's text, parsed; `stage` is its stage, "" where that does not matter. Parsing never
+    fails: what the grammar does not know becomes an error node, which `walk` leaves out together
+    with everything below it."""
 
     def __init__(self, text: str, stage: str = "") -> None:
         self.text = text

@@ -24,13 +24,9 @@ _SHOWN = 60
 
 @dataclass(frozen=True)
 class Argument:
-    """A value that fits its type.
-
-    Attributes:
-        leaves: its numbers in the order of the type's words: each (batch…, words of the leaf),
-            where the batch may be any shape that broadcasts.
-        whole: the kind of the integers that were given, "i" or "u" as in NumPy; "" for others.
-    """
+    """A value that fits its type: its numbers in the order of the type's words, each leaf (batch…,
+    words of the leaf), where the batch may be any shape that broadcasts, and the kind of the
+    integers that were given, "i" or "u" as in NumPy; "" for others."""
 
     type: Type
     batch: tuple[int, ...]
@@ -336,10 +332,8 @@ def collect_opaque(
     call: Call, name_of: Callable[[str], str] = str
 ) -> tuple[dict[str, Array], Textures]:
     """The uniforms and the textures of a call's samplers, and of structs with samplers, by the
-    names that a driver has for them: "material.shininess", "maps[0]". Raises CallError.
-
-    `name_of` gives the name of the variable for that of a parameter or global.
-    """
+    names that a driver has for them: "material.shininess", "maps[0]". `name_of` gives the name of
+    the variable for that of a parameter or global. Raises CallError."""
     uniforms: dict[str, Array] = {}
     textures: Textures = {}
     for one in (*call.signature.given, *call.signature.globals):

@@ -38,11 +38,7 @@ DTYPES = {"float": "float32", "int": "int32", "uint": "uint32", "bool": "bool"}
 
 @dataclass(frozen=True)
 class Type:
-    """A GLSL type.
-
-    Attributes:
-        name: without array lengths: "vec3", "Light", "sampler2D".
-    """
+    """A GLSL type; its name is without array lengths: "vec3", "Light", "sampler2D"."""
 
     name: str
     dims: tuple[int, ...] = ()
@@ -219,13 +215,9 @@ _TEXTURED = re.compile(r"[iu]?sampler(?:2D|2DArray|Cube)|sampler(?:2D|2DArray|Cu
 
 @dataclass(frozen=True)
 class Input:
-    """A parameter, or a global that the function's file leaves to others to set.
-
-    Attributes:
-        direction: of a parameter; globals are "in".
-        optional: whether the file has a value for it, or the function does not read it, as other
-            members of a block.
-    """
+    """A parameter, or a global that the function's file leaves to others to set, whose direction is
+    "in". It is optional if the file has a value for it, or the function does not read it, as other
+    members of a block."""
 
     name: str
     type: Type
