@@ -77,13 +77,12 @@ Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
 
 
 def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) -> "Compiled":
-    """Compile and link one program's stages, in any order, for some of `ALL_TARGETS`.
-
-    Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an
-    "info" diagnostic says so. A SPIR-V target that rejects the same lines as plain GLSL gets its
-    messages, and stages that can't be linked go no further. A target's verdict does not depend on
-    the other targets. Raises ShaderError: no stages, two of one stage, stages that can't be linked,
-    or an unknown target. What is wrong with the text never raises; it is in the verdicts."""
+    """Compile and link one program's stages, in any order, for some of `ALL_TARGETS`. Vulkan allows
+    no samplers in uniform structs, so they are lifted out for "vulkan", and an "info" diagnostic
+    says so. A SPIR-V target that rejects the same lines as plain GLSL gets its messages, and stages
+    that can't be linked go no further. A target's verdict does not depend on the other targets.
+    Raises ShaderError: no stages, two of one stage, stages that can't be linked, or an unknown
+    target. What is wrong with the text never raises; it is in the verdicts."""
     ordered = order_stages(stages, targets)
     plain = compile_plain(ordered)
     results = {"glsl": plain}

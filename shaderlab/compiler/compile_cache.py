@@ -209,8 +209,7 @@ _SHARED = ("errors.py", "files.py")
 def compilers_digest() -> str | None:
     """Return a digest of the compilers' libraries and of the lab's code around them.
 
-    None if it is unknown: there are no libraries, or a file has only just been written.
-    """
+    None if it is unknown: there are no libraries, or a file has only just been written."""
     here = Path(__file__).parent
     shared = [path for name in _SHARED for path in sorted(here.parent.glob(name))]
     own = [*sorted(here.glob("*.py")), *shared]

@@ -41,23 +41,17 @@ def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
         elif (message := placed["message"].strip()) != _TERMINATED:
             token = placed["token"] or ""
             at = int(placed["line"])
-            if token == "bad":  # glslang's preprocessor has no other word for it
-                token, message = _find_foreign(source, at) or (token, message)
-            if message.startswith("no matching"):
-                row = source.code.split("\n")[at - 1]
-                if channels := re.findall(rf"\b{token}\s*\(\s*(iChannel\d)", row):
-                    said = " or ".join(dict.fromkeys(channels))
-                    message += f"; declare it, if it is no sampler2D: uniform samplerCube {said};"
+            quoted = token == "bad" or message.startswith("no matching")
+            row = source.code.split("\n")[at - 1] if quoted else ""
+            foreign = "".join(c for c in row if not c.isascii())[:1]
+            if token == "bad" and foreign:  # glslang's preprocessor has no other word for it
+                token, message = foreign, "unexpected character"
+            elif channels := re.findall(rf"\b{re.escape(token)}\s*\(\s*(iChannel\d)", row):
+                said = " or ".join(dict.fromkeys(channels))
+                message += f"; declare it, if it is no sampler2D: uniform samplerCube {said};"
             worded = f"'{token}' : {message}" if token else message
             found[source.diagnostic(worded, at, severity=severity, token=token)] = None
     return tuple(found)
-
-
-def _find_foreign(source: Source, line: int) -> tuple[str, str] | None:
-    """Return a character of a line that GLSL does not have, and the message about it."""
-    code = source.code.split("\n")[line - 1]
-    foreign = next((letter for letter in code if not letter.isascii()), None)
-    return None if foreign is None else (foreign, "unexpected character")
 
 
 def parse_link_log(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:

@@ -265,11 +265,6 @@ def disassemble(module: bytes) -> str:
         tools.spvDiagnosticDestroy(message)
 
 
-def disassemble_stages(modules: Mapping[str, bytes]) -> str:
-    """Return a program's modules, by stage, as one text; see `disassemble`."""
-    return "\n".join(f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
-
-
 @functools.cache
 def _context(env: str) -> int:
     context: int = load_spirv_tools().spvContextCreate(_ENVIRONMENTS[env])

@@ -216,6 +216,7 @@ def _is_authors(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> b
 
 # BuiltIn numbers of what `gl_PerVertex` has.
 _BUILT_IN = {0: "gl_Position", 1: "gl_PointSize"}
+_CAPTURED = (Decoration.XfbBuffer, Decoration.XfbStride, Decoration.Offset)
 
 Target = tuple[int, int | None]
 """A variable's id, or a struct's with one of its members."""
@@ -223,7 +224,6 @@ Target = tuple[int, int | None]
 
 def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
     """Return a module of the last stage before rasterisation, decorated so that it captures.
-
     `sizes` are the components of each output by name, in the order in which they are captured:
     elements of an array and members of a struct follow one another. Raises UnsupportedError: only a
     part of an array or a struct is named, or there is no such output."""
@@ -244,13 +244,13 @@ def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
             )
     added = [
         word
-        for target, offset in offsets.items()
-        for kind, value in (
-            (Decoration.XfbBuffer, 0),
-            (Decoration.XfbStride, at),
-            (Decoration.Offset, offset),
+        for (id_, member), offset in offsets.items()
+        for kind, value in zip(_CAPTURED, (0, at, offset), strict=True)
+        for word in (
+            (4 << 16 | Op.Decorate, id_, kind, value)
+            if member is None
+            else (5 << 16 | Op.MemberDecorate, id_, member, kind, value)
         )
-        for word in _decorate(target, kind, value)
     ]
     return _insert(module, added)
 
@@ -276,13 +276,6 @@ def _outputs(module: Module) -> Iterator[tuple[Target, tuple[str, ...]]]:
             members.setdefault(leaf.path[0], []).append(leaf.name)
         for index, names in members.items():
             yield (element, index), tuple(names)
-
-
-def _decorate(target: Target, kind: int, value: int) -> Sequence[int]:
-    id_, member = target
-    if member is None:
-        return (4 << 16 | Op.Decorate, id_, kind, value)
-    return (5 << 16 | Op.MemberDecorate, id_, member, kind, value)
 
 
 def _insert(module: Module, decorations: Sequence[int]) -> bytes:

@@ -179,18 +179,13 @@ Interpolation = Literal["smooth", "flat", "noperspective"]
 
 @dataclass(frozen=True, kw_only=True)
 class Variable:
-    """One input, output or uniform.
-
-    Attributes:
-        type: "float", "vec3", "mat4", "int", "uint", "bool", "sampler2D", "image2D", …
-        location: in the module. Without the author's own, the compiler chooses one, and a driver
-            that compiles GLSL may choose another.
-        array: the number of elements, 0 if known at run time only, None if it is not an array.
-        components: numbers in one element: 3 for vec3, 16 for mat4, 0 for samplers.
-        used: whether the program's functions refer to it; a driver may still optimise it away.
-        format: of an image, as its layout says ("rgba8"); "" for none.
-        patch: of an evaluation stage's input, whether there is one for the whole patch.
-    """
+    """One input, output or uniform: its type ("float", "vec3", "mat4", "int", "uint", "bool",
+    "sampler2D", "image2D", …), its location in the module (without the author's own, the compiler
+    chooses one, and a driver that compiles GLSL may choose another), the number of elements of an
+    array, 0 if known at run time only, None if it is none, and the numbers in one: 3 for vec3, 16
+    for mat4, 0 for samplers. `used` says whether the program's functions refer to it; a driver may
+    still optimise it away. An image has the format that its layout says ("rgba8"), and an
+    evaluation stage's input may be there once for the whole patch."""
 
     name: str
     type: str
@@ -242,10 +237,10 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True)
 class Interface:
-    """Everything that a program declares, by name, without built-ins (`gl_…`): uniforms are those
-    outside blocks, samplers and images among them, vertex outputs those of the last stage before
-    rasterisation, evaluation inputs those of that stage, by a patch's vertices, of which the
-    tessellation control stage makes so many (0 without one)."""
+    """Everything that a program declares, by name, without built-ins (`gl_…`). Uniforms are those
+    outside blocks, samplers and images among them; vertex outputs those of the last stage before
+    rasterisation; evaluation inputs those of the tessellation evaluation stage, by a patch's
+    vertices; the control stage makes patches of so many (0 without one)."""
 
     attributes: Mapping[str, Variable] = field(default_factory=dict)
     varyings: Mapping[str, Variable] = field(default_factory=dict)

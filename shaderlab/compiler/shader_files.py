@@ -519,16 +519,11 @@ class ShaderFile:
 def find_shaders(
     paths: Sequence[str | Path], roots: Sequence[Path] = (), *, stage: str | None = None
 ) -> list[ShaderFile]:
-    """Find the shaders at the paths, each once, sorted by path.
-
-    Args:
-        paths: files, and folders to search for files whose extension or `#pragma shader_stage`
-            names a stage, and for .glsl files without one that none of all these includes.
-        roots: shader folders. A file in one of them includes from there, any other from the
-            folder in `paths`, or its own.
-        stage: every file's stage; by default each file names its own.
-
-    Raises UsageError: a path does not exist, or a folder holds no shader."""
+    """Find the shaders at the paths, each once, sorted by path: files, and of folders those whose
+    extension or `#pragma shader_stage` names a stage, and .glsl files without one that none of all
+    these includes. A file in one of the `roots` includes from there, any other from the folder in
+    `paths`, or its own. `stage` is every file's; by default each names its own. Raises UsageError:
+    a path does not exist, or a folder holds no shader."""
     real_roots = [(os.path.join(os.path.realpath(root), ""), str(root)) for root in roots]
     found: dict[str, ShaderFile] = {}
     for path in map(Path, paths):

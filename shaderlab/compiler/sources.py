@@ -384,15 +384,10 @@ class Shaders(Roots):
                 raise ShaderError(f"can't define {word!r}: it is not a GLSL name")
 
     def load(self, name: str, stage: str | None = None) -> Source:
-        """Return the named shader with its includes expanded.
-
-        Args:
-            name: the shader's path inside the roots.
-            stage: one of `STAGES`; by default that of the extension or, in a .glsl file, of
-                `#pragma shader_stage(fragment)`.
-
-        Raises ShaderError: there is no such file in the roots, it or one of its includes can't be
-        used, or the stage is unknown."""
+        """Return the shader of that path inside the roots with its includes expanded. Its stage is
+        one of `STAGES`; by default that of the extension or, in a .glsl file, of
+        `#pragma shader_stage(fragment)`. Raises ShaderError: there is no such file in the roots, it
+        or one of its includes can't be used, or the stage is unknown."""
         file = self.shader(name)
         return self._source(file, name, stage or stage_of(name, file.text, file.path))
 

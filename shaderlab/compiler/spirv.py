@@ -153,18 +153,14 @@ class Instruction(NamedTuple):
 @dataclass(eq=False)
 class Module:
     """What a module declares, by id. Callers of `parse` share it and must not change it.
-
-    Attributes:
-        decorations: id → decoration → its literal words; `member_decorations` by (id, member).
-        types: id → the OpType… instruction; operands as in the specification, less the id.
-        variables: id → (pointed-to type, storage class).
-        constants: the words of scalar ones; `values` has the instruction of every constant.
-        initialisers: id of each variable that has one → the id of the constant.
-        comments: the ids of instruction sets that change nothing.
-        entries: stage's number in `shader_files.STAGES` → the id of its `main`, and of what that
-            reads and writes of other stages; `model` and `entry` are those of one stage.
-        decoration_words: (id, decoration) → index of its first literal in the module's words.
-    """
+    `decorations` have by decoration its literal words, `member_decorations` the same by (id,
+    member), `decoration_words` by (id, decoration) the index of the first literal in the module's
+    words. `types` have the OpType… instruction, with operands as in the specification, less the id,
+    `variables` (pointed-to type, storage class), `initialisers` the id of a variable's constant;
+    `constants` the words of scalar ones, `values` the instruction of every one; `comments` are the
+    ids of instruction sets that change nothing. `entries` have by a stage's number in
+    `shader_files.STAGES` the id of its `main`, and of what that reads and writes of other stages;
+    `model` and `entry` are those of one stage."""
 
     words: tuple[int, ...]
     names: dict[int, str] = field(default_factory=dict)
@@ -319,8 +315,7 @@ _DIMENSIONS = {0: "1D", 1: "2D", 2: "3D", 3: "Cube", 4: "2DRect", 5: "Buffer"}
 def type_name(module: Module, id_: int) -> str:
     """Return the GLSL name of a type: "vec3", "mat4x3", "sampler2DShadow", a struct's own name.
 
-    Arrays give their element's name; see `unwrap`.
-    """
+    Arrays give their element's name; see `unwrap`."""
     _, element = unwrap(module, id_)
     instruction = module.types[element]
     op, words = instruction.op, instruction.words

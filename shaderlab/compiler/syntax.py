@@ -55,18 +55,12 @@ class Declarator:
 
 @dataclass(frozen=True, kw_only=True)
 class GlslDeclaration:
-    """One declaration at a file's top level.
-
-    Attributes:
-        kind: "layout" is a default such as `layout(points) in;`, "other" a redeclaration such as
-            `invariant gl_Position;`.
-        start, end: the characters of the text, the semicolon included.
-        members: a function's parameters, or what a struct, a block or a declaration declares.
-        prefix: what stands before the type, or before a block's name, as it is written.
-        body: the text between the braces of a function, struct or block.
-        variables: what is declared after a struct's body.
-        uses: the names that occur in it and are not its own.
-    """
+    """One declaration at a file's top level, from the character `start` to `end`, the semicolon
+    included. Kind "layout" is a default such as `layout(points) in;`, "other" a redeclaration such
+    as `invariant gl_Position;`. `members` are a function's parameters, or what a struct, a block or
+    a declaration declares, `prefix` is what stands before the type, or before a block's name, as it
+    is written, `body` the text between the braces of a function, struct or block, `variables` what
+    is declared after a struct's body; it `uses` the names that occur in it and are not its own."""
 
     kind: Literal["function", "prototype", "struct", "block", "variables", "layout", "other"]
     start: int

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.glslang import disassemble_stages
+from shaderlab.compiler.glslang import disassemble
 from shaderlab.drivers import Backend
 from shaderlab.drivers.programs.prepare import Programs
 from shaderlab.files import replace_file, write_bytes, write_if_changed
@@ -173,7 +173,8 @@ class PictureWriter:
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             # Other workers may write the same file at the same time.
-            write_bytes(path, disassemble_stages(modules).encode("utf-8"))
+            texts = (f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
+            write_bytes(path, "\n".join(texts).encode("utf-8"))
         return relative
 
     def _save(self, label: str, image: Array, side: int = 1, palette: Array | None = None) -> str:

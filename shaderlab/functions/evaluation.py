@@ -49,6 +49,10 @@ _WRITES = {
 }  # fmt: skip
 
 
+def _words(inputs: tuple[Input, ...]) -> int:
+    return sum(one.type.words for one in inputs)
+
+
 @dataclass(frozen=True)
 class Kernel:
     """A function's shader for one way to give its arguments: `varying` ones differ from element to
@@ -58,14 +62,6 @@ class Kernel:
     varying: tuple[Input, ...]
     shared: tuple[Input, ...]
     opaque: tuple[Input, ...]
-
-    @property
-    def planes(self) -> int:
-        return sum(i.type.words for i in self.varying)
-
-    @property
-    def shared_words(self) -> int:
-        return sum(i.type.words for i in self.shared)
 
     @property
     def result_words(self) -> int:
@@ -80,7 +76,7 @@ class Kernel:
         if self.varying:
             lines.append(f"uniform usampler2DArray {_INPUT};")
         if self.shared:
-            lines.append(f"uniform uvec4 {_SHARED}[{-(-self.shared_words // 4)}];")
+            lines.append(f"uniform uvec4 {_SHARED}[{-(-_words(self.shared) // 4)}];")
         for n in range(words):
             lines.append(f"layout(location = {n}) out uint {PREFIX}out{n};")
         return "\n".join(lines) + "\n"
@@ -94,9 +90,9 @@ class Kernel:
         lines.append("void main() {")
         if self.varying:
             size = f"textureSize({_INPUT}, 0).xy - 1"
-            lines.append(f"  uint {PREFIX}words[{self.planes}];")
+            lines.append(f"  uint {PREFIX}words[{_words(self.varying)}];")
             lines.append(f"  ivec2 {PREFIX}place = min(ivec2(gl_FragCoord.xy), {size});")
-            lines.append(f"  for (int n = 0; n < {self.planes}; n++)")
+            lines.append(f"  for (int n = 0; n < {_words(self.varying)}; n++)")
             fetch = f"texelFetch({_INPUT}, ivec3({PREFIX}place, n), 0).x"
             lines.append(f"    {PREFIX}words[n] = {fetch};")
         lines += self._reading()
@@ -330,7 +326,7 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
     results = np.zeros((kernel.result_words, 0), np.uint32)
     if count:
         width, height = _grid(call.batch)
-        layers, at = np.zeros((kernel.planes, height, width), np.uint32), 0
+        layers, at = np.zeros((_words(kernel.varying), height, width), np.uint32), 0
         for one in kernel.varying:
             call.values[one.name].fill(layers[at:], call.batch)
             at += one.type.words
@@ -344,7 +340,7 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
 
 def _evaluation(source: Source, folder: str, call: Call, kernel: Kernel) -> Evaluation:
     """The kernel with what is the same for all elements; its size is still open."""
-    shared, at = np.zeros((-(-kernel.shared_words // 4), 4), np.uint32), 0
+    shared, at = np.zeros((-(-_words(kernel.shared) // 4), 4), np.uint32), 0
     for one in kernel.shared:
         argument = call.values[one.name]
         argument.fill(shared.reshape(-1, 1)[at:], argument.batch)

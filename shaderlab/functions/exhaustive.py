@@ -126,12 +126,11 @@ def judge_every(
     arguments: Sequence[Any],
     named: Mapping[str, Any],
 ) -> tuple[Call, list[Outcome]]:
-    """Check a function at each combination of numbers, up to the first block that fails.
-
-    Values all over the ranges are judged as `check` does. Of the others those are within their
-    bands that are one of the two floats about what the formula gives in float64: a band holds that,
-    and ends at floats. So bands are evaluated for the rest alone. Returns the calls that show a
-    failure, else some of them all over the range; and the outcomes."""
+    """Check a function at each combination of numbers, up to the first block that fails. Values all
+    over the ranges are judged as `check` does. Of the others those are within their bands that are
+    one of the two floats about what the formula gives in float64: a band holds that, and ends at
+    floats. So bands are evaluated for the rest alone. Returns the calls that show a failure, else
+    some of them all over the range; and the outcomes."""
     grid = Grid(function, arguments, named, step)
     some = np.unique(np.linspace(0, grid.count - 1, _FIRST).astype(np.int64))
     first = grid.bind(some)

@@ -66,8 +66,7 @@ def record_of_test(
     notes: Notes | None = None,
 ) -> Record:
     """A test's record: its file is the case, the test a variant, each check an expectation. A test
-    that asserts of itself what functions give is one expectation.
-    """
+    that asserts of itself what functions give is one expectation."""
     shown = display_path(file)
     stem = shown.rpartition("/")[2].removesuffix(".py")
     found = notes or Notes()
@@ -155,8 +154,7 @@ class Function:
     `out` parameters it returns a named tuple of all that it writes.
 
     Where it uses derivatives (`dFdx`), a pixel's neighbours are its neighbours along the arguments'
-    last two axes. What it discards is masked.
-    """
+    last two axes. What it discards is masked."""
 
     def __init__(
         self, source: Source, overloads: Sequence[Signature], folder: str, given: Mapping[str, Any]
@@ -312,18 +310,13 @@ class Function:
 def load(
     shader: str | os.PathLike[str], *, defines: Mapping[str, str] | None = None, **given: Any
 ) -> Library:
-    """The functions of a GLSL file, of any dialect, or of a text.
-
-    Args:
-        shader: the file's path, found where the calling file's shaders are
-            (`shaderlab.engine.settings.Settings.shader_folders`), or in the working folder; or GLSL
-            itself, which has a brace or several lines.
-        defines: macros to put after its `#version`.
-        given: values of uniforms and other globals, where a call has none.
-
-    Raises ShaderError: there is no such file, or it or one of its includes can't be read;
+    """The functions of a GLSL file, of any dialect, or of a text, which has a brace or several
+    lines. A path is found where the calling file's shaders are
+    (`shaderlab.engine.settings.Settings.shader_folders`), or in the working folder. `defines` are
+    macros to put after its `#version`, `given` values of uniforms and other globals, where a call
+    has none. Raises ShaderError: there is no such file, or it or one of its includes can't be read;
     ArgumentsError: a name of `given` is none of the file's globals; CallError: the file does not
-    read one of the macros."""
+    read one of the macros. Warns of what the file lacks and was included."""
     check_arguments(load, shader=shader, defines=defines)
     if isinstance(shader, str) and re.search("[{\n]", shader):
         folders = _folders(sys._getframe(1).f_globals)

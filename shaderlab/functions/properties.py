@@ -493,15 +493,10 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     them; with `out` parameters that is a mapping, or each of them by its own name. It asserts on
     arrays, or on single numbers, or returns where the property holds.
 
-    Args:
-        function: what is called.
-        domains: for each parameter and global the domain that is searched, such as
-            `floats(0, 1)`, or `(0, 1)` for one number, a mapping of them for a struct, or a value.
-
-    Raises:
-        AssertionError: from the test, for a counterexample made as simple as possible; a note has
-            it as a line to paste above the test: `@glsl.example(…)`.
-    """
+    `domains` has for each parameter and global the domain that is searched, such as `floats(0, 1)`,
+    or `(0, 1)` for one number, a mapping of them for a struct, or a value. Raises AssertionError:
+    from the test, for a counterexample made as simple as possible; a note has it as a line to paste
+    above the test: `@glsl.example(…)`."""
     check_arguments(given, function=function)
 
     def decorate(test: Test) -> Test:

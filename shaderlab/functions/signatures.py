@@ -227,16 +227,10 @@ class Input:
 
 @dataclass(frozen=True)
 class Signature:
-    """One function of a file, an overload of its name.
-
-    Attributes:
-        result: what it returns; "void" for nothing.
-        code: the text that it needs, line for line as in the file.
-        line: of the definition in that text, counted from 1.
-        state: variables of the file that a call may change, with their initialisers.
-        obstacle: why it can't be called; "" if it can.
-        lacks: the names in the text that nothing declares.
-    """
+    """One function of a file, an overload of its name: what it returns ("void" for nothing), the
+    text that it needs, line for line as in the file, and the line of the definition in that,
+    counted from 1, variables of the file that a call may change, with their initialisers, why it
+    can't be called ("" if it can), and the names in the text that nothing declares."""
 
     name: str
     result: Type
