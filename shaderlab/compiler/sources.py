@@ -71,9 +71,8 @@ _Trail = tuple[tuple[File, int], ...]
 
 @dataclass(frozen=True)
 class LineMap:
-    """For each line of a text, by index, the author's file and line (counted from 1).
-
-    `spans` are runs of lines: the file, the first line, and how many there are.
+    """For each line of a text, by index, the author's file and line (counted from 1); `spans` are
+    runs of lines: the file, the first line, and how many there are.
 
     >>> lines = LineMap.of([("main.frag", 1, 2), ("lib.glsl", 1, 1), ("main.frag", 4, 1)])
     >>> len(lines), lines[1], lines[2], lines[3]

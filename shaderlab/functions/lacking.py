@@ -1,5 +1,4 @@
-"""What functions of a file lack, because it leaves an include to others, and where their library
-defines that."""
+"""What functions of a file lack, and where their library defines it."""
 
 from __future__ import annotations
 
