@@ -25,7 +25,7 @@ from .inputs import Domains, InputDomain, Inputs, sample_inputs
 from .interpreter import Bands, Program
 from .interpreter.program import INPUTS, Instruction
 from .interpreter.running import Run
-from .interpreter.textures import LOOKUPS
+from .interpreter.textures import LOOKUPS, is_read_only
 from .interpreter.values import Flags, PathState
 
 ARITHMETIC = Bands(Rules(trig_outside="scaled", ranges=True))
@@ -230,7 +230,7 @@ class BoxWatcher:
         if at.op in INDEXING:
             for index, size in indices_of(run, at):  # a constant one is right, or does not compile
                 self._note(run, at, state, INDEX, [ends_of(index), (np.full((1, 1), size),) * 2])
-        if at.op in LOOKUPS:
+        if at.op in LOOKUPS or (at.op == Op.ImageRead and is_read_only(run, at)):
             return self._anything(run, at, result)
         return result
 
@@ -256,16 +256,16 @@ class BoxWatcher:
         """What a texture may give, of which the range of its texels alone is known."""
         texels = run.value(at.operands[0])
         domain = self.texels[id(texels)]
-        if isinstance(result, Integer):
-            query = at.op in range(Op.ImageQuerySizeLod, Op.ImageQuerySamples + 1)
-            ends = (1, _MOST_TEXELS) if query else (int(domain.low), int(domain.high))
-            least, most = (np.full(result.shape, end) for end in ends)
-            return Integer(least, most, unsigned=result.unsigned, rules=result.rules)
         low, high = (0.0, 1.0) if texels.compare is not None else (domain.low, domain.high)
         if at.op == Op.ImageQueryLod:
             low, high = 0.0, float(_MOST_TEXELS)
-        elif at.op == Op.ImageFetch:  # robust devices give 0 outside of the texture
-            low, high = min(low, 0.0), max(high, 0.0)
+        elif at.op in (Op.ImageFetch, Op.ImageRead):  # 0 outside; an image's alpha may be 1
+            low, high = min(low, 0.0), max(high, 1.0 if at.op == Op.ImageRead else 0.0)
+        if isinstance(result, Integer):
+            query = at.op in range(Op.ImageQuerySizeLod, Op.ImageQuerySamples + 1)
+            ends = (1, _MOST_TEXELS) if query else (int(low), int(high))
+            least, most = (np.full(result.shape, end) for end in ends)
+            return Integer(least, most, unsigned=result.unsigned, rules=result.rules)
         least, most = (np.full(result.shape, end) for end in (low, high))
         return Band.between(least, most, ARITHMETIC.rules)
 

@@ -122,8 +122,7 @@ def _factors(shape: tuple[int, ...], size: float, start: int) -> Array:
 def _pool(size: float) -> Array:
     generator = np.random.default_rng(20)
     errors = generator.uniform(0.5, 1.0, 2 * _POOL)
-    found: Array = 1.0 + size * np.where(generator.random(2 * _POOL) < 0.5, -errors, errors)
-    return found
+    return np.asarray(1.0 + size * np.where(generator.random(2 * _POOL) < 0.5, -errors, errors))
 
 
 COPIES = 3
@@ -183,7 +182,8 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
         name: values.reshape(times, count, values.shape[-1])
         for name, values in flatten_outputs(found.outputs)
     }
-    return Ran(outputs, gone.reshape(times, count), found.ran, found.blocks)
+    labels = {label for _, label in found.taken}
+    return Ran(outputs, gone.reshape(times, count), labels, found.blocks)
 
 
 def confirm(

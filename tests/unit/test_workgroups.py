@@ -199,3 +199,11 @@ def test_what_others_may_have_stored_is_anything_in_a_proof() -> None:
     claims = audit_program(program(text), Plan(prove=True, count=64)).claims
     divided = {c.line: c.status for c in claims if c.what == "no division by 0"}
     assert divided == {8: "open", 9: "proved"}
+
+
+def test_what_an_image_holds_that_nothing_writes_is_proved() -> None:
+    divides = "uvec4(12u / (n + 1u)))", "scale / (here * here + 1.0)"
+    text = IMAGE.replace("uvec4(n + 1u))", divides[0]).replace("scale * here", divides[1])
+    claims = audit_program(program(text), Plan(prove=True, count=64)).claims
+    divided = {c.what: c.status for c in claims if c.what.endswith("division by 0")}
+    assert divided == {"no division by 0": "proved", "no integer division by 0": "open"}

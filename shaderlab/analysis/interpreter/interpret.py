@@ -187,11 +187,6 @@ class Interpreted:
     blocks: int = 0
     conflicts: Mapping[Conflict, Flags]
 
-    @property
-    def ran(self) -> Set[int]:
-        """The labels of the blocks that an invocation came to."""
-        return {label for _, label in self.taken}
-
 
 def interpret(
     program: Program, each: Mapping[str, Array], bindings: Bindings = _NOTHING,

@@ -80,8 +80,7 @@ class Types(dict[int, Type]):
         self._module = module
 
     def __missing__(self, id_: int) -> Type:
-        found = self[id_] = self._make(id_)
-        return found
+        return self.setdefault(id_, self._make(id_))
 
     def _make(self, id_: int) -> Type:
         module = self._module

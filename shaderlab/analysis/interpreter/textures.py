@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules, TriBool
-from shaderlab.compiler.spirv import Op
+from shaderlab.compiler.spirv import Decoration, Op
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath import sampling
 from shaderlab.glslmath.sampling import Sampler
@@ -366,6 +366,12 @@ def _image_name(run: Run, at: Instruction) -> str:
     pointer = run.value(run.program.definitions[at.operands[0]].operands[0])
     type_, _ = run.program.variables[pointer.variable]
     return format_place(run.program.name(pointer.variable), type_, pointer.path)
+
+
+def is_read_only(run: Run, at: Instruction) -> bool:
+    """Whether an instruction reads an image to which nothing is stored."""
+    pointer = run.value(run.program.definitions[at.operands[0]].operands[0])
+    return run.program.module.decorated(pointer.variable, Decoration.NonWritable) is not None
 
 
 def _gather(*, compared: bool) -> Handler:
