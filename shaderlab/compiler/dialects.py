@@ -31,6 +31,41 @@ _TAKEN = re.compile(
 )
 
 
+# The fixed-function pipeline's variables, by stage ("" for all) and declaration (GLSL 1.20, §7.3 to
+# §7.6; GLSL 4.60, in the compatibility profile). Structures, as those of lights, are left out.
+_FIXED = (
+    ("vertex", "in vec4", "Vertex|Color|SecondaryColor|MultiTexCoord[0-7]"),
+    ("vertex", "in vec3", "Normal"),
+    ("vertex", "out vec4", "(?:Front|Back)(?:Secondary)?Color"),
+    ("vertex", "out vec4[]", "TexCoord"),
+    ("vertex", "out float", "FogFragCoord"),
+    ("fragment", "in vec4", "(?:Secondary)?Color"),
+    ("fragment", "in vec4[]", "TexCoord"),
+    ("fragment", "in float", "FogFragCoord"),
+    ("", "uniform mat4", "(?:ModelView|(?:ModelView)?Projection)Matrix(?:Inverse)?(?:Transpose)?"),
+    ("", "uniform mat4[]", "TextureMatrix(?:Inverse)?(?:Transpose)?"),
+    ("", "uniform mat3", "NormalMatrix"),
+)
+_TRANSFORM = re.compile(r"\bftransform\s*\(\s*\)")
+_COORDINATES = 8  # texture coordinates have no index beyond, where one is not constant
+
+
+def _declare_fixed(text: str, stage: str) -> tuple[list[str], str]:
+    """Declarations of what a text uses of the fixed-function pipeline, and the text with names of
+    the lab's for that."""
+    rows = []
+    text = _TRANSFORM.sub("(gl_ModelViewProjectionMatrix * gl_Vertex)", text)
+    for where, kind, names in _FIXED if "gl_" in text else ():
+        found = re.findall(rf"\bgl_({names})\b(?:\s*\[\s*(\w+))?", text)
+        for name in sorted({each[0] for each in found}) if where in ("", stage) else ():
+            own = [index for each, index in found if each == name]
+            last = max(map(int, own)) if all(map(str.isdecimal, own)) else _COORDINATES - 1
+            size = f"[{last + 1}]" if kind.endswith("[]") else ""
+            rows.append(f"{kind.removesuffix('[]')} {OWN}gl_{name}{size};")
+            text = re.sub(rf"\bgl_{name}\b", f"{OWN}gl_{name}", text)
+    return rows, text
+
+
 def keep_own_names(text: str) -> str:
     """The text with other names for what it declares by words of later versions."""
     return rename_words(text, {word: OWN + word for word in _TAKEN.findall(strip_comments(text))})
@@ -68,6 +103,9 @@ def raise_version(source: Source, head: str = "") -> Source:
         name = OWN + ("gl_FragData" if count else "gl_FragColor")
         rows.append(f"layout (location = 0) out mediump vec4 {name}{count};")
         text = _OUTPUT.sub(name, text)
+    if not embedded:
+        fixed, text = _declare_fixed(text, source.stage)
+        rows += fixed
     lines = LineMap.of([(*source.place(1), 1)] * len(rows) + list(source.lines.spans))
     text = "\n".join([*rows, CALLS.sub(r"texture\1", text)])
     return replace(source, text=text, lines=lines, stripped=None)

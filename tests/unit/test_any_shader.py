@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,13 @@ READ = {
                       gl_Position = projectionMatrix * viewMatrix * vec4(position.xy, uv); }""",
     "three.frag": """precision mediump float; varying vec3 at;
         void main() { gl_FragColor = vec4(at - cameraPosition, 1.0); }""",
+    "fixed.vert": """void main() {
+        gl_Position = ftransform() + gl_ModelViewMatrix * gl_Vertex;
+        gl_TexCoord[1] = gl_TextureMatrix[0] * gl_MultiTexCoord0;
+        gl_FrontColor = gl_Color * dot(gl_NormalMatrix * gl_Normal, vec3(1.0)); }""",
+    "fixed.frag": """#version 120
+        uniform sampler2D texture;
+        void main() { gl_FragColor = gl_Color * texture2D(texture, gl_TexCoord[1].st); }""",
     "part.fs": "float half_of(float x) { return 0.5 * x; }",
     "old.glsl": """vec4 both(sampler2D image, vec2 uv)
         { return texture2D(image, uv) + texture2D(image, -uv); }""",
@@ -79,7 +87,7 @@ def call(*words: str | Path) -> tuple[int, str]:
 def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
     file = tmp_path / name
     file.write_text(READ[name])
-    older = "compatibility" in READ[name] or "#version 140" in READ[name]
+    older = re.search("compatibility|#version 1[24]0|ftransform", READ[name])
     targets = ["glsl"] if older else ["glsl", "opengl"]
     status, said = call("compile", file, *(f"--target={target}" for target in targets))
     assert status == 0, said
@@ -90,6 +98,17 @@ def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
     if "main" in READ[name]:
         status, said = call("explain", file)
         assert status == 0 and "shaderlab_" not in said.replace("shadertoy_", ""), said
+
+
+def test_what_the_fixed_function_pipeline_gives_is_an_input_by_its_name(tmp_path: Path) -> None:
+    (tmp_path / "a.vert").write_text(READ["fixed.vert"])
+    said = call("diff", tmp_path / "a.vert", tmp_path / "a.vert")[1]
+    for name in ("gl_Position", "gl_TexCoord[1]", "gl_FrontColor"):
+        assert f"{name}: same" in said
+    said = call("audit", tmp_path / "a.vert")[1]
+    names = re.findall(r"^  (gl_\w+)", said, re.MULTILINE)
+    assert {"gl_Vertex", "gl_Normal", "gl_Color", "gl_TextureMatrix", "gl_NormalMatrix"} <= {*names}
+    assert names.count("gl_TextureMatrix") == 1  # no more than its texts name
 
 
 def test_words_of_other_languages_in_comments_are_no_other_language(tmp_path: Path) -> None:
@@ -189,7 +208,7 @@ def test_a_file_of_several_stages_is_one_program(tmp_path: Path, name: str) -> N
         ("a.frag", "@fragment\nfn main() -> @location(0) vec4f { return vec4f(1.0); }",
          "call it .wgsl"),
         ("a.glsl", "#type vertx\n#version 330\nvoid main() {}", "no such stage: 'vertx'"),
-        ("a.frag", "#version 120\nvoid main() { gl_FragColor = gl_TexCoord[0]; }",
+        ("a.frag", "#version 120\nvoid main() { gl_FragColor = gl_Fog.color; }",
          "declare it: nothing feeds the fixed-function pipeline"),
         ("a.frag", "#include <common>\nvoid main() {}", "no file to #include: 'common'"),
         ("a.frag", "#version 450\n#extension GL_EXT_scalar_block_layout : require\n"
