@@ -110,9 +110,13 @@ def search_inputs(
     batch = first_batch(program, inputs, domains, plan.count)
     boxes = 0 if program.group > 1 else _BOXES  # whose points are no whole workgroups
     proof = Proof(
-        program, inputs, domains, tried=[batch], boxes=BOXES if plan.prove else boxes,
+        program,
+        inputs,
+        domains,
+        tried=[batch],
+        boxes=BOXES if plan.prove else boxes,
         counts=None if plan.prove else lambda some: find_origins(some, inputs, domains) == RANDOM,
-    )  # fmt: skip
+    )
     found = {place: one for place, one in proof.points.items() if one.watched is not None}
     find = partial(find_failing, program, most=_SHORT, made_up=True)
     # What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
@@ -180,9 +184,13 @@ def audit_program(
     if plan.confirm is not None:
         hazards = [plan.confirm(program, hazard) for hazard in hazards]
     return Audit(
-        file=program.path, hazards=tuple(_deduplicate(hazards)), tried=tried, inputs=words,
-        spreads=tuple(widest_spreads(spreads)), claims=tuple(claims),
-    )  # fmt: skip
+        file=program.path,
+        hazards=tuple(_deduplicate(hazards)),
+        tried=tried,
+        inputs=words,
+        spreads=tuple(widest_spreads(spreads)),
+        claims=tuple(claims),
+    )
 
 
 def prove_between_draws(
@@ -215,10 +223,14 @@ def _claims(
             inputs, words = batch.example(row, batch.each), f"refuted: {place.kind}"
             hazards.append(
                 Hazard(
-                    file=program.path, line=0, kind=OVERFLOW.kind, message=words,
-                    inputs=inputs, outputs=own,
+                    file=program.path,
+                    line=0,
+                    kind=OVERFLOW.kind,
+                    message=words,
+                    inputs=inputs,
+                    outputs=own,
                 )
-            )  # fmt: skip
+            )
 
 
 def _hazards(

@@ -236,9 +236,11 @@ _POW = Check(
     lambda x, y: f"pow({x:.6g}, {y:.6g}), whose base is negative",
 )  # fmt: skip
 _POW_0 = Check(
-    "pow of 0 to 0 or less", lambda x, y: np.maximum(np.abs(x), np.maximum(y, 0.0)), _of_two("pow"),
+    "pow of 0 to 0 or less",
+    lambda x, y: np.maximum(np.abs(x), np.maximum(y, 0.0)),
+    _of_two("pow"),
     _is_0,
-)  # fmt: skip
+)
 _SQRT = Check("sqrt of a negative number", lambda x: x, lambda x: f"sqrt({x:.6g})")
 _ACOSH = Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})")
 _ATAN = Check(

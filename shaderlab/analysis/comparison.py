@@ -324,12 +324,15 @@ class _Comparison:
         apart = np.concatenate([compared.apart[compared.different] for compared in found])
         finite = apart[np.isfinite(apart)]
         return OutputAnswer(
-            name=called, judged=judged, different=different,
+            name=called,
+            judged=judged,
+            different=different,
             apart=float(finite.max()) if finite.size else float("inf"),
             why="value" if finite.size else compared.why,
-            example=one.batch.example(row, self.inputs), place=self._place(one, row),
+            example=one.batch.example(row, self.inputs),
+            place=self._place(one, row),
             gives=(_value(one.old, name, row), _value(one.new, other, row)),
-        )  # fmt: skip
+        )
 
     def _place(self, one: _Set, row: int) -> str:
         """The first line that stores another value at an invocation; where only one program
@@ -414,9 +417,11 @@ class _Comparison:
 
 def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:
     return name.startswith("gl_") and all(
-        np.isnan(ran.outputs[name]).all() for one in sets for ran in (one.old, one.new)
+        np.isnan(ran.outputs[name]).all()
+        for one in sets
+        for ran in (one.old, one.new)
         if name in ran.outputs
-    )  # fmt: skip
+    )
 
 
 def _format_place(program: Program, line: int) -> str:

@@ -76,9 +76,14 @@ def explain(
 
 
 def explain_in_case(
-    file: Path, variant: str, pass_name: str | None, draw: int, pixel: tuple[int, int] | None,
-    options: RunOptions, worker: Worker,
-) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:  # fmt: skip
+    file: Path,
+    variant: str,
+    pass_name: str | None,
+    draw: int,
+    pixel: tuple[int, int] | None,
+    options: RunOptions,
+    worker: Worker,
+) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
     """What a draw stores at a pixel, by default where its band is widest, and what that gets, by
     name. `pass_name` is None for the last pass; `draw` counts from 0, from the last if negative."""
     lab, scene = worker.lab(options), worker.scenes(str(file))[variant]

@@ -580,10 +580,14 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     smaller = (values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in levels)
     values = values[..., : one.channels]
     texels = Texels(
-        values.astype(dtype or np.float32), filters, ("repeat",) * 3, (0.0,) * 4,
+        values.astype(dtype or np.float32),
+        filters,
+        ("repeat",) * 3,
+        (0.0,) * 4,
         smaller=tuple(level.astype(dtype or np.float32) for level in smaller),
-        kind=kind, compare="lequal" if shadow else None,
-    )  # fmt: skip
+        kind=kind,
+        compare="lequal" if shadow else None,
+    )
     return add_mipmaps(texels) if mipmaps and not dtype else texels
 
 

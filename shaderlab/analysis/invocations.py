@@ -124,11 +124,13 @@ def sample_fragments(
     inputs = {**captured.inputs, "gl_FragCoord": captured.frag_coord}
     images = {n: i for (name, n), i in evaluation.drawn.images.items() if name == key[0]}
     return Invocations(
-        program=program, bindings=bindings, pixels=np.stack([x, y], axis=-1),
+        program=program,
+        bindings=bindings,
+        pixels=np.stack([x, y], axis=-1),
         each={name: values[y, x] for name, values in inputs.items()},
         measured={name: image.values[y, x] for name, image in images.items()},
         formats={name: image.format for name, image in images.items()},
-    )  # fmt: skip
+    )
 
 
 def _sample(captured: Fragments, most: int, whole: bool) -> Array:

@@ -174,9 +174,14 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
         places = places[:, :2].astype(np.float64)
         places[:, 1] += np.arange(len(places)) // count * _FAR
     found = interpret(
-        program, each, batch.bindings, PerturbedFloat(count=count, copies=copies),
-        count=count * times, places=places, unwritten=True,
-    )  # fmt: skip
+        program,
+        each,
+        batch.bindings,
+        PerturbedFloat(count=count, copies=copies),
+        count=count * times,
+        places=places,
+        unwritten=True,
+    )
     gone = np.broadcast_to(found.discarded.all_true, (count * times,))
     outputs = {
         name: values.reshape(times, count, values.shape[-1])

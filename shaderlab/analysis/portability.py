@@ -52,11 +52,16 @@ def portability(program: Program, batch: InputBatch, inputs: Inputs) -> list[Spr
         file, line = _costliest_line(program, batch, row)
         found.append(
             Spread(
-                output=name, precision="highp", codes=float(codes.max()), ulp=float(steps.max()),
-                near=batch.example(row, inputs) if steps.max() else {}, file=file, line=line,
+                output=name,
+                precision="highp",
+                codes=float(codes.max()),
+                ulp=float(steps.max()),
+                near=batch.example(row, inputs) if steps.max() else {},
+                file=file,
+                line=line,
                 unbounded=open_ones,
             )
-        )  # fmt: skip
+        )
     return found
 
 
@@ -188,10 +193,14 @@ def mediump(program: Program, batch: InputBatch, inputs: Inputs) -> list[Spread]
         file, line = _costliest_line(program, batch, row) if off[row] > 0.0 else ("", 0)
         found.append(
             Spread(
-                output=name, precision="mediump", codes=float(off[row]), file=file, line=line,
+                output=name,
+                precision="mediump",
+                codes=float(off[row]),
+                file=file,
+                line=line,
                 near=batch.example(row, inputs) if off[row] > 0.0 else {},
             )
-        )  # fmt: skip
+        )
     return found
 
 

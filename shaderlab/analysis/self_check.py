@@ -102,12 +102,13 @@ class SelfCheck:
         outputs = (f"{key[0]}.{name}" for key, check in checks.items() for name in check.outputs)
         left_out = (check.left_out for check in checks.values() if check.left_out)
         record = ModulesRecord(
-            judged=judged, outputs=tuple(dict.fromkeys(outputs)),
+            judged=judged,
+            outputs=tuple(dict.fromkeys(outputs)),
             left_out=tuple(dict.fromkeys(left_out)),
             coverage=_list_lines(checks.values()) if self._every else (),
             proved=tuple(words for status, words in claims if status == "proved"),
             open=tuple(words for status, words in claims if status == "open"),
-        )  # fmt: skip
+        )
         rows = [row for check in checks.values() for row in check.rows]
         message = next((check.message for check in checks.values() if check.message), "")
         outcome = Outcome.of_rows(_NAME, "module", rows, message, judged)

@@ -116,10 +116,12 @@ def undefined_values(program: Program, batch: InputBatch, inputs: Inputs) -> Ite
     for output, row in _find_differences(plain, other, batch.count, unwritten=True).items():
         file, line = _declaration(program, output)
         yield Hazard(
-            file=file, line=line, kind=UNWRITTEN,
+            file=file,
+            line=line,
+            kind=UNWRITTEN,
             message=f"{UNWRITTEN}: {output} has no value here, or a part of it has none",
             inputs=batch.example(row, inputs),
-        )  # fmt: skip
+        )
 
 
 def _run(
@@ -167,10 +169,12 @@ def _read(
             break
     name = program.name(id_) or "a function's result"
     return Hazard(
-        file=file, line=line, kind=READ,
+        file=file,
+        line=line,
+        kind=READ,
         message=f"{READ}: {name} has no value here, and {to} depends on it",
         inputs=batch.example(row, inputs),
-    )  # fmt: skip
+    )
 
 
 def _declaration(program: Program, output: str) -> tuple[str, int]:

@@ -28,17 +28,21 @@ if TYPE_CHECKING:
     "--possible", is_flag=True, help="Also print possible hazards for which no input was found."
 )
 @click.option(
-    "--precision", is_flag=True,
+    "--precision",
+    is_flag=True,
     help="Show how far conforming devices may differ at each output, at highp and mediump.",
-)  # fmt: skip
+)
 @click.option(
-    "--prove", is_flag=True,
+    "--prove",
+    is_flag=True,
     help="Prove for each hazard that no input in the ranges causes it, or find one that does.",
-)  # fmt: skip
+)
 @click.option(
-    "--assume", multiple=True, metavar="'A > B'",
+    "--assume",
+    multiple=True,
+    metavar="'A > B'",
     help="A condition in GLSL that the inputs meet; repeatable.",
-)  # fmt: skip
+)
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print the values of each input.")
 @shared.stage_option("The stage of all files, whatever their names.")
 @shared.INCLUDE
@@ -153,9 +157,13 @@ def _make_findings(audit: Audit) -> Iterator[Finding]:
     for hazard in audit.hazards:
         text = str(hazard)
         yield Finding(
-            rule="hazard", file=hazard.file, line=hazard.line, subject=hazard.kind,
-            message=text.partition(": ")[2], severity="error" if hazard.evident else "info",
-        )  # fmt: skip
+            rule="hazard",
+            file=hazard.file,
+            line=hazard.line,
+            subject=hazard.kind,
+            message=text.partition(": ")[2],
+            severity="error" if hazard.evident else "info",
+        )
     if audit.refused:
         yield Finding(
             rule="not-audited", file=audit.file, line=0, message=audit.refused, severity="warning"

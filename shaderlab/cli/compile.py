@@ -35,16 +35,23 @@ _DIED = ("crash", "timeout")
 @shared.TARGET
 @shared.stage_option("Compile every file as this stage, whatever its name.")
 @click.option(
-    "--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]",
+    "--define",
+    "-D",
+    "defines",
+    multiple=True,
+    metavar="NAME[=VALUE]",
     help="Define a macro; may be repeated.",
-)  # fmt: skip
+)
 @shared.INCLUDE
 @click.option("--link", is_flag=True, help="Link the files as stages of one program.")
 @click.option(
-    "--driver", "drivers", multiple=True, metavar="NAME",
+    "--driver",
+    "drivers",
+    multiple=True,
+    metavar="NAME",
     callback=lambda context, option, names: tuple(map(check_driver, dict.fromkeys(names))),
     help="Compile with this driver as well (names as for `run`); may be repeated.",
-)  # fmt: skip
+)
 @shared.limits_option("Stop a file that takes longer than S seconds.", seconds=10.0)
 @shared.jobs_option(f"one per {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
 @shared.JSON

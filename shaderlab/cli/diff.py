@@ -33,9 +33,10 @@ ONLY_IF = 3
     "--against", metavar="REV", help="Compare one file with its version at this Git revision."
 )
 @click.option(
-    "--case", metavar="ID | FILE.py",
+    "--case",
+    metavar="ID | FILE.py",
     help="Use the inputs that this case gives OLD, which may be an included file.",
-)  # fmt: skip
+)
 @shared.RANGES
 @click.option("--strict", is_flag=True, help="Exit with 1 also if only the accuracy changes.")
 @click.option(

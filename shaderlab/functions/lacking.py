@@ -46,8 +46,9 @@ def _definitions(name: str) -> re.Pattern[str]:
     return re.compile(
         rf"^[ \t]*(?:#[ \t]*define[ \t]+{name}\b(?:\\\n|.)*+"
         rf"|(?:const|uniform)\b[^;=(){{}}]*[ \t]{name}\b[^;]*;|struct\s+{name}\s*{_BODY}"
-        rf"|(?!return\b|else\b)\w[\w \t]*[ \t]{name}[ \t]*\([^;{{}}]*{_BODY})", re.M
-    )  # fmt: skip
+        rf"|(?!return\b|else\b)\w[\w \t]*[ \t]{name}[ \t]*\([^;{{}}]*{_BODY})",
+        re.M,
+    )
 
 
 def insert_first(source: Source, added: Sequence[Expansion], *notes: str) -> Source:

@@ -64,9 +64,13 @@ def prove_law(function: Function, law: Any, ranges: Mapping[str, Any]) -> Outcom
     file, line = function.place_of(signature)
     text = SourceText(file=file, line=line, language="glsl", text=signature.definition)
     return Outcome(
-        name=function.__name__, kind="proof", status="fail" if message else "pass",
-        message=message, judged=proof.tried, sources=(text,),
-    )  # fmt: skip
+        name=function.__name__,
+        kind="proof",
+        status="fail" if message else "pass",
+        message=message,
+        judged=proof.tried,
+        sources=(text,),
+    )
 
 
 def _compare(function: Function, law: Law, ranges: Mapping[str, Any]) -> tuple[Function, Any]:

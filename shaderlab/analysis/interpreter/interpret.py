@@ -216,10 +216,14 @@ def interpret(
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
     run = Run(
-        program, arithmetic, count,
+        program,
+        arithmetic,
+        count,
         places=each.get("gl_FragCoord") if places is None else places,
-        max_blocks=max_blocks, trace=trace, watch=watch,
-    )  # fmt: skip
+        max_blocks=max_blocks,
+        trace=trace,
+        watch=watch,
+    )
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
@@ -250,5 +254,8 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
     return Interpreted(
         outputs=outputs,
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
-        undecided=run.undecided, taken=run.taken, blocks=run.blocks, conflicts=run.conflicts,
-    )  # fmt: skip
+        undecided=run.undecided,
+        taken=run.taken,
+        blocks=run.blocks,
+        conflicts=run.conflicts,
+    )

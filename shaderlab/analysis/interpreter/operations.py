@@ -372,9 +372,12 @@ def settle(run: Run, value: Integer, state: PathState) -> Integer:
     high = np.where(state.mask[:, None], value.hi, value.lo)
     anything = value.anything & (state.mask[:, None] if value.anything.ndim else True)
     return Integer(
-        value.lo, None if np.array_equal(high, value.lo) else high, unsigned=value.unsigned,
-        rules=value.rules, anything=anything if anything.any() else np.False_,
-    )  # fmt: skip
+        value.lo,
+        None if np.array_equal(high, value.lo) else high,
+        unsigned=value.unsigned,
+        rules=value.rules,
+        anything=anything if anything.any() else np.False_,
+    )
 
 
 _YES, _NO = (TriBool.of([[holds]]) for holds in (True, False))

@@ -144,9 +144,10 @@ def new_set(
         return NULL
     structs = Structs()
     sizes = [(binding.kind, binding.count) for binding in bindings.values()]
-    pool = resources.create("DescriptorPool", structs(
-        "DescriptorPoolCreateInfo", maxSets=1, poolSizeCount=len(sizes), pPoolSizes=sizes
-    ))  # fmt: skip
+    pool = resources.create(
+        "DescriptorPool",
+        structs("DescriptorPoolCreateInfo", maxSets=1, poolSizeCount=len(sizes), pPoolSizes=sizes),
+    )
     made = ffi.new("VkDescriptorSet *")
     info = structs(
         "DescriptorSetAllocateInfo", descriptorPool=pool, descriptorSetCount=1, pSetLayouts=[layout]

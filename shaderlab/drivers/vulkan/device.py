@@ -389,10 +389,14 @@ class Commands:
     def make_usable(self, image: Any, aspect: int) -> None:
         """Bring a new image into the layout in which it stays."""
         change = self.structs(
-            "ImageMemoryBarrier", dstAccessMask=_ALL_READS_AND_WRITES, newLayout=GENERAL,
-            srcQueueFamilyIndex=_SAME_FAMILY, dstQueueFamilyIndex=_SAME_FAMILY, image=image,
+            "ImageMemoryBarrier",
+            dstAccessMask=_ALL_READS_AND_WRITES,
+            newLayout=GENERAL,
+            srcQueueFamilyIndex=_SAME_FAMILY,
+            dstQueueFamilyIndex=_SAME_FAMILY,
+            image=image,
             subresourceRange=(aspect, 0, _REMAINING, 0, _REMAINING),
-        )  # fmt: skip
+        )
         lib.vkCmdPipelineBarrier(
             self.handle, _ALL_STAGES, _ALL_STAGES, 0, 0, NULL, 0, NULL, 1, change
         )

@@ -147,9 +147,12 @@ def generate_levels(device: Device, image: DeviceImage) -> None:
             ends = [((0, 0, 0), (*image.sizes[n], 1)) for n in (level - 1, level)]
             parts = [(aspects(image.word), n, 0, image.layers) for n in (level - 1, level)]
             region = commands.structs(
-                "ImageBlit", srcSubresource=parts[0], srcOffsets=ends[0], dstSubresource=parts[1],
+                "ImageBlit",
+                srcSubresource=parts[0],
+                srcOffsets=ends[0],
+                dstSubresource=parts[1],
                 dstOffsets=ends[1],
-            )  # fmt: skip
+            )
             own = (image.handle, GENERAL)
             lib.vkCmdBlitImage(commands.handle, *own, *own, 1, region, constant("FILTER_LINEAR"))
             commands.barrier()
@@ -168,9 +171,10 @@ def copy_level(device: Device, source: DeviceImage, to: DeviceImage) -> None:
 
 def _region(commands: Commands, image: DeviceImage, level: int, aspect: int) -> Any:
     return commands.structs(
-        "BufferImageCopy", imageSubresource=(aspect, level, 0, image.array_layers),
+        "BufferImageCopy",
+        imageSubresource=(aspect, level, 0, image.array_layers),
         imageExtent=(*image.sizes[level], image.depth),
-    )  # fmt: skip
+    )
 
 
 _CHANNELS = {"r": "R{0}", "rg": "R{0}G{0}", "rgb": "R{0}G{0}B{0}A{0}", "rgba": "R{0}G{0}B{0}A{0}"}
@@ -376,9 +380,13 @@ class RenderTarget(Attachments):
         if has_stencil:
             attached["pStencilAttachment"] = depth
         info = structs(
-            "RenderingInfo", renderArea=((0, 0), self.size), layerCount=1,
-            colorAttachmentCount=len(colors), pColorAttachments=colors, **attached,
-        )  # fmt: skip
+            "RenderingInfo",
+            renderArea=((0, 0), self.size),
+            layerCount=1,
+            colorAttachmentCount=len(colors),
+            pColorAttachments=colors,
+            **attached,
+        )
         lib.vkCmdBeginRendering(commands.handle, info)
 
     def end(self, commands: Commands) -> None:

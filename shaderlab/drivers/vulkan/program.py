@@ -253,10 +253,12 @@ class Program:
         depth = vulkan_format(layout.depth) if layout.depth else 0
         stencil = layout.depth and aspects(layout.depth) & STENCIL_ASPECT
         rendering = structs(
-            "PipelineRenderingCreateInfo", colorAttachmentCount=count,
-            pColorAttachmentFormats=numbers, depthAttachmentFormat=depth,
+            "PipelineRenderingCreateInfo",
+            colorAttachmentCount=count,
+            pColorAttachmentFormats=numbers,
+            depthAttachmentFormat=depth,
             stencilAttachmentFormat=depth if stencil else 0,
-        )  # fmt: skip
+        )
         stages = [
             structs(
                 "PipelineShaderStageCreateInfo",
@@ -347,16 +349,21 @@ def rasterisation_state(structs: Structs, device: Device, state: State) -> Any:
     )
     if "bresenhamLines" in device.features and state.sample_shading is None:
         chain = structs(
-            "PipelineRasterizationLineStateCreateInfoEXT", pNext=chain,
+            "PipelineRasterizationLineStateCreateInfoEXT",
+            pNext=chain,
             lineRasterizationMode=_BRESENHAM,
-        )  # fmt: skip
+        )
     factor, units = state.polygon_offset or (0.0, 0.0)
     return structs(
-        "PipelineRasterizationStateCreateInfo", pNext=chain, cullMode=_FACES.index(state.cull),
-        frontFace=_WINDINGS.index(state.front_face), lineWidth=1.0,
-        depthBiasEnable=state.polygon_offset is not None, depthBiasSlopeFactor=factor,
+        "PipelineRasterizationStateCreateInfo",
+        pNext=chain,
+        cullMode=_FACES.index(state.cull),
+        frontFace=_WINDINGS.index(state.front_face),
+        lineWidth=1.0,
+        depthBiasEnable=state.polygon_offset is not None,
+        depthBiasSlopeFactor=factor,
         depthBiasConstantFactor=units,
-    )  # fmt: skip
+    )
 
 
 def multisample_state(structs: Structs, device: Device, state: State, samples: int) -> Any:
@@ -366,33 +373,40 @@ def multisample_state(structs: Structs, device: Device, state: State, samples: i
     if state.sample_shading is not None and "sampleRateShading" not in device.features:
         raise UnsupportedError("sample_shading: this device has no sampleRateShading")
     return structs(
-        "PipelineMultisampleStateCreateInfo", rasterizationSamples=samples,
+        "PipelineMultisampleStateCreateInfo",
+        rasterizationSamples=samples,
         sampleShadingEnable=state.sample_shading is not None,
         minSampleShading=state.sample_shading or 0.0,
         alphaToCoverageEnable=state.alpha_to_coverage and samples > 1,
-    )  # fmt: skip
+    )
 
 
 def depth_stencil_state(structs: Structs, state: State) -> Any:
     depth = state.depth or Depth()
     front = state.stencil or Stencil()
     return structs(
-        "PipelineDepthStencilStateCreateInfo", depthTestEnable=state.depth is not None,
+        "PipelineDepthStencilStateCreateInfo",
+        depthTestEnable=state.depth is not None,
         depthWriteEnable=state.depth is not None and depth.write,
         depthCompareOp=COMPARISONS.index(depth.func),
-        stencilTestEnable=state.stencil is not None, front=_stencil(structs, front),
+        stencilTestEnable=state.stencil is not None,
+        front=_stencil(structs, front),
         back=_stencil(structs, state.stencil_back or front),
-    )  # fmt: skip
+    )
 
 
 def _stencil(structs: Structs, stencil: Stencil) -> Any:
     number = STENCIL_OPERATIONS.index
     return structs(
-        "StencilOpState", failOp=number(stencil.fail), depthFailOp=number(stencil.depth_fail),
+        "StencilOpState",
+        failOp=number(stencil.fail),
+        depthFailOp=number(stencil.depth_fail),
         passOp=number(stencil.depth_pass),
-        compareOp=COMPARISONS.index(stencil.func), compareMask=stencil.mask,
-        writeMask=stencil.write_mask, reference=stencil.reference,
-    )  # fmt: skip
+        compareOp=COMPARISONS.index(stencil.func),
+        compareMask=stencil.mask,
+        writeMask=stencil.write_mask,
+        reference=stencil.reference,
+    )
 
 
 def blend_state(structs: Structs, state: State, formats: Mapping[int, str], count: int) -> Any:
@@ -416,6 +430,8 @@ def blend_state(structs: Structs, state: State, formats: Mapping[int, str], coun
         for place in range(count)
     ]  # fmt: skip
     return structs(
-        "PipelineColorBlendStateCreateInfo", attachmentCount=count, pAttachments=each,
+        "PipelineColorBlendStateCreateInfo",
+        attachmentCount=count,
+        pAttachments=each,
         blendConstants=blend.constant,
-    )  # fmt: skip
+    )
