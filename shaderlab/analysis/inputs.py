@@ -24,8 +24,9 @@ from .interpreter.values import NUMBERS, Size, number_invocations
 
 _RANGE = re.compile(r"//.*?\brange:\s*(unit\b|\S+\s*\.\.\s*\S+)")
 # RetroArch's: a name, what it is called, the default, the least and the greatest value.
+_NUMBER = r"\s+(-?(?:\d+\.?\d*|\.\d+))(?=\s)"
 _PARAMETER = re.compile(
-    r'^[ \t]*#pragma parameter (\w+)\s+"[^"]*"\s+\S+\s+(-?[\d.]+)\s+(-?[\d.]+)', re.M
+    rf'^[ \t]*#pragma parameter (\w+)\s+"[^"]*"\s+\S+{_NUMBER}{_NUMBER}', re.MULTILINE
 )
 _DECLARED = re.compile(r"([A-Za-z_]\w*)\s*(?:\[[^]]*\]\s*)?(?:=[^;]*)?[;,]")
 _WHOLE = 2.0**31

@@ -47,7 +47,7 @@ _FIXED = (
     ("", "uniform mat3", "NormalMatrix"),
 )
 _TRANSFORM = re.compile(r"\bftransform\s*\(\s*\)")
-_COORDINATES = 8  # texture coordinates have no index beyond, where one is not constant
+_COORDINATES = 8  # so many textures have coordinates
 
 
 def _declare_fixed(text: str, stage: str) -> tuple[list[str], str]:
@@ -59,9 +59,10 @@ def _declare_fixed(text: str, stage: str) -> tuple[list[str], str]:
         found = re.findall(rf"\bgl_({names})\b(?:\s*\[\s*(\w+))?", text)
         for name in sorted({each[0] for each in found}) if where in ("", stage) else ():
             own = [index for each, index in found if each == name]
-            last = max(map(int, own)) if all(map(str.isdecimal, own)) else _COORDINATES - 1
-            size = f"[{last + 1}]" if kind.endswith("[]") else ""
-            rows.append(f"{kind.removesuffix('[]')} {OWN}gl_{name}{size};")
+            last = max(map(int, own)) if all(map(str.isdecimal, own)) else _COORDINATES
+            size = f"[{min(last + 1, _COORDINATES)}]" if kind.endswith("[]") else ""
+            if not re.search(rf"\b(?:in|out)\s+\w+\s+gl_{name}\b", text):
+                rows.append(f"{kind.removesuffix('[]')} {OWN}gl_{name}{size};")
             text = re.sub(rf"\bgl_{name}\b", f"{OWN}gl_{name}", text)
     return rows, text
 

@@ -135,7 +135,7 @@ def holds_glsl(path: str | Path) -> bool:
             data = file.read(MAX_BYTES)
     except OSError:
         return False
-    return re.search(rb"^[ \t]*#[ \t]*version[ \t]", data, re.MULTILINE) is not None
+    return re.search(rb"^(?:\xef\xbb\xbf)?[ \t]*#[ \t]*version[ \t]", data, re.M) is not None
 
 
 def decode(data: bytes, path: str | Path) -> str:
@@ -274,6 +274,7 @@ _THREE_UNIFORMS = {
     "modelMatrix": "mat4", "modelViewMatrix": "mat4", "projectionMatrix": "mat4",
     "viewMatrix": "mat4", "normalMatrix": "mat3", "cameraPosition": "vec3",
 }  # fmt: skip
+_FIXED = re.compile(r"\bgl_(?:Vertex|Normal|Color|ModelView|TexCoord|MultiTex)|\bftransform\b")
 _THREE_ATTRIBUTES = {"position": "vec3", "normal": "vec3", "uv": "vec2"}
 # An input or output that stands by itself, and is no parameter.
 _STAGE_VARIABLE = re.compile(
@@ -309,7 +310,8 @@ def _declare_as_three(code: str, stage: str, attribute: str) -> list[str]:
     """What three.js puts before a shader that uses, undeclared, what it declares in those of a
     ShaderMaterial (its manual, "WebGLProgram": Built-in uniforms and attributes)."""
     uniforms = [name for name in _THREE_UNIFORMS if _is_undeclared(name, code)]
-    if not uniforms or stage not in ("vertex", "fragment") or not MAIN.search(code):
+    stages = ("vertex", "fragment")
+    if not uniforms or stage not in stages or not MAIN.search(code) or _FIXED.search(code):
         return []
     rows = [f"uniform {_THREE_UNIFORMS[name]} {name};" for name in uniforms]
     for name, kind in _THREE_ATTRIBUTES.items():
@@ -319,12 +321,12 @@ def _declare_as_three(code: str, stage: str, attribute: str) -> list[str]:
 
 
 def _is_undeclared(name: str, code: str) -> bool:
-    """Whether a name is used, and no uniform, attribute, input, vector or matrix is called so."""
-    used = re.search(rf"\b{name}\b", code)
+    """Whether a name is used, and no macro, uniform, attribute, input, vector or matrix has it."""
     declared = (
-        rf"\b(?:uniform|attribute|in|varying)\s[^;(){{}}]*\b{name}\b|(?:vec|mat)\d\s+{name}\b"
+        rf"#[ \t]*define[ \t]+{name}\b|(?:vec|mat)\d\s+{name}\b"
+        rf"|\b(?:uniform|attribute|in|varying)\s[^;(){{}}]*\b{name}\b"
     )
-    return used is not None and re.search(declared, code) is None
+    return bool(re.search(rf"\b{name}\b", code)) and not re.search(declared, code)
 
 
 def _is_shadertoy(code: str) -> bool:

@@ -61,6 +61,12 @@ READ = {
     "fixed.frag": """#version 120
         uniform sampler2D texture;
         void main() { gl_FragColor = gl_Color * texture2D(texture, gl_TexCoord[1].st); }""",
+    "own.vert": """#version 120
+        #define viewMatrix gl_ModelViewMatrix
+        varying vec4 gl_TexCoord[4];
+        void main() { gl_TexCoord[0] = gl_Vertex; gl_Position = viewMatrix * gl_Vertex; }""",
+    "macro.vert": """#define viewMatrix gl_ModelViewMatrix
+        void main() { gl_Position = viewMatrix * gl_Vertex; }""",
     "part.fs": "float half_of(float x) { return 0.5 * x; }",
     "old.glsl": """vec4 both(sampler2D image, vec2 uv)
         { return texture2D(image, uv) + texture2D(image, -uv); }""",
@@ -87,7 +93,7 @@ def call(*words: str | Path) -> tuple[int, str]:
 def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
     file = tmp_path / name
     file.write_text(READ[name])
-    older = re.search("compatibility|#version 1[24]0|ftransform", READ[name])
+    older = re.search("compatibility|#version 1[24]0|gl_Vertex", READ[name])
     targets = ["glsl"] if older else ["glsl", "opengl"]
     status, said = call("compile", file, *(f"--target={target}" for target in targets))
     assert status == 0, said
@@ -207,6 +213,8 @@ def test_a_file_of_several_stages_is_one_program(tmp_path: Path, name: str) -> N
          "call it .hlsl"),
         ("a.frag", "@fragment\nfn main() -> @location(0) vec4f { return vec4f(1.0); }",
          "call it .wgsl"),
+        ("a.vert", "#version 120\nvoid main() { gl_TexCoord[99999999] = gl_Vertex; }",
+         "index out of range '99999999'"),
         ("a.glsl", "#type vertx\n#version 330\nvoid main() {}", "no such stage: 'vertx'"),
         ("a.frag", "#version 120\nvoid main() { gl_FragColor = gl_Fog.color; }",
          "declare it: nothing feeds the fixed-function pipeline"),
