@@ -262,18 +262,18 @@ _VIEWER_INPUTS = (
     "lightShadowMap tex0 tex1 tex2 tex3 tex4 tex5 tex6 tex7 tex8 tex9 buffer0 buffer1 buffer2 "
     "buffer3 doubleBuffer0 doubleBuffer1 doubleBuffer2 doubleBuffer3"
 )
-HOST_INPUTS: Mapping[str, tuple[str, tuple[int, ...]]] = {
-    f"u_{word}": (kind, (9,) if word == "SH" else ())
-    for kind, *words in map(str.split, _VIEWER_INPUTS.split(";"))
-    for word in words
-} | dict(SHADERTOY_INPUTS)
-"""Those and the ones of glslViewer (its wiki, "GlslViewer UNIFORMS", and "Native Uniforms" of
-glsl-pipeline), three of which The Book of Shaders has."""
-
 _THREE_UNIFORMS = {
     "modelMatrix": "mat4", "modelViewMatrix": "mat4", "projectionMatrix": "mat4",
     "viewMatrix": "mat4", "normalMatrix": "mat3", "cameraPosition": "vec3",
 }  # fmt: skip
+HOST_INPUTS: Mapping[str, tuple[str, tuple[int, ...]]] = {
+    f"u_{word}": (kind, (9,) if word == "SH" else ())
+    for kind, *words in map(str.split, _VIEWER_INPUTS.split(";"))
+    for word in words
+} | {**SHADERTOY_INPUTS, **{name: (kind, ()) for name, kind in _THREE_UNIFORMS.items()}}
+"""Those, three.js's, and the ones of glslViewer (its wiki, "GlslViewer UNIFORMS", and "Native
+Uniforms" of glsl-pipeline), three of which The Book of Shaders has."""
+
 _FIXED = re.compile(r"\bgl_(?:Vertex|Normal|Color|ModelView|TexCoord|MultiTex)|\bftransform\b")
 _THREE_ATTRIBUTES = {"position": "vec3", "normal": "vec3", "uv": "vec2"}
 # An input or output that stands by itself, and is no parameter.

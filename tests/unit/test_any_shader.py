@@ -576,3 +576,9 @@ def test_a_function_that_can_not_be_compiled_takes_no_other_with_it(tmp_path: Pa
     assert "along: " in said and "turn: " in said
     said = call("diff", tmp_path / "old.glsl", tmp_path / "new.glsl")[1]
     assert "half_of: different" in said and "undetermined for along" in said
+
+
+def test_uniforms_of_three_js_are_given_to_functions_that_use_them() -> None:
+    lib = glsl.load("vec3 seen(vec3 p) { return (viewMatrix * vec4(p, 1.0)).xyz; }")
+    turn = np.diag([1.0, -1.0, 2.0, 1.0])
+    assert lib.seen([1.0, 2.0, 3.0], viewMatrix=turn).tolist() == [1.0, -2.0, 6.0]
