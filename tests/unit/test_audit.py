@@ -66,11 +66,12 @@ _GUARDED = (
 
 
 @functools.cache
-def audit(body: str, ranges: tuple[tuple[str, str], ...] = ()) -> Audit:
+def audit(body: str, ranges: tuple[tuple[str, str], ...] = (), count: int = 4096) -> Audit:
     """The audit of a fragment shader; an expression is what it draws, at line 14."""
     lines = body if ";" in body else f"    float value = {body};\n    FragColor = vec4(value);"
     shaders = Shaders([Path()], overrides={"a.frag": f"{_START}{lines}\n}}\n"})
-    return audit_program(load(shaders.load("a.frag", "fragment")), Plan(ranges=dict(ranges)))
+    program = load(shaders.load("a.frag", "fragment"))
+    return audit_program(program, Plan(ranges=dict(ranges), count=count))
 
 
 def evident(found: Audit) -> list[Hazard]:
@@ -100,8 +101,8 @@ def test_a_loop_over_all_texels_ends() -> None:
     body = "    ivec2 size = textureSize(image, 0);\n    vec4 sum = vec4(0.0);\n"
     body += "    for (int y = 0; y < size.y; ++y)\n        for (int x = 0; x < size.x; ++x)\n"
     body += "            sum += texelFetch(image, ivec2(x, y), 0);\n    FragColor = sum;"
-    assert audit(body).clean
-    assert not audit(body.replace("x = 0", "x = -1")).clean
+    assert audit(body, count=512).clean
+    assert not audit(body.replace("x = 0", "x = -1"), count=512).clean
 
 
 def test_the_inputs_that_matter_come_first() -> None:
