@@ -54,7 +54,7 @@ void main()
 """
 RACE, DIVERGENT = "data race", "barrier in divergent control flow"
 UNINITIALISED = "uninitialised read"
-FEW = Plan(count=1024)
+FEW = Plan(count=256)
 
 
 def program(text: str) -> Program:
