@@ -73,14 +73,23 @@ class Input(c.Structure):
     """`glslang_input_t` of glslang 13: one stage's text and how to parse it."""
 
     _fields_ = [
-        *((name, c.c_int) for name in ("language", "stage", "client", "client_version")),
-        *((f"target_language{word}", c.c_int) for word in ("", "_version")),
+        ("language", c.c_int),
+        ("stage", c.c_int),
+        ("client", c.c_int),
+        ("client_version", c.c_int),
+        ("target_language", c.c_int),
+        ("target_language_version", c.c_int),
         ("code", c.c_char_p),
-        *((f"default_{word}", c.c_int) for word in ("version", "profile")),
+        ("default_version", c.c_int),
+        ("default_profile", c.c_int),
         ("force_default_version_and_profile", c.c_int),
-        *((word, c.c_int) for word in ("forward_compatible", "messages")),
-        *((word, c.c_void_p) for word in ("resource", "include_system", "include_local")),
-        *((word, c.c_void_p) for word in ("free_include_result", "callbacks_ctx")),
+        ("forward_compatible", c.c_int),
+        ("messages", c.c_int),
+        ("resource", c.c_void_p),
+        ("include_system", c.c_void_p),
+        ("include_local", c.c_void_p),
+        ("free_include_result", c.c_void_p),
+        ("callbacks_ctx", c.c_void_p),
     ]
 
 
