@@ -17,6 +17,7 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderError
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
+from shaderlab.model.scene import Pass
 from tests.catalogue import shipped
 from tests.negative.broken import mistaken
 
@@ -30,12 +31,21 @@ def lab() -> Iterator[SceneRunner]:
         yield opened
 
 
+def smaller(one: Pass) -> Pass:
+    """The pass with a large target a third as wide and as high, which takes less time."""
+    size = one.target.size
+    if size is None or min(size) < 256:
+        return one
+    return replace(one, target=replace(one.target, size=(size[0] // 3, size[1] // 3)))
+
+
 def picture(lab: SceneRunner, scene: Scene, texts: Mapping[str, str]) -> npt.NDArray[Any]:
     """What people see of a scene, with the text of a shader changed."""
     last = scene.passes[-1]
     name = scene.picture.pass_name if scene.picture else last.name
     needed = with_read_passes(scene, {name})
-    part = replace(scene, passes=tuple(p for p in scene.passes if p.name in needed), expect=())
+    passes = tuple(smaller(p) for p in scene.passes if p.name in needed)
+    part = replace(scene, passes=passes, expect=())
     programs = lab.prepare_for_opengl(part, texts)
     with lab.evaluation(part, programs) as evaluation:
         images = {out: image for (of, out), image in evaluation.drawn.images.items() if of == name}
