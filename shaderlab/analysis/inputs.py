@@ -68,15 +68,18 @@ def inputs_of(program: Program) -> dict[str, Input]:
         if storage not in INPUTS:
             continue
         name = interface_name(program, id_)
-        for number, leaf in enumerate(leaves(module, pointee, name), 1):
+        count = 0
+        for number, leaf in enumerate(leaves(module, pointee, name)):
             lengths = unwrap(module, leaf.type)[0]
-            if number + math.prod(lengths) > _MOST_ELEMENTS:
+            used = is_used(paths.get(id_, ()), leaf.path)
+            count += used * math.prod(lengths)
+            if max(count, number) > _MOST_ELEMENTS:
                 array = leaf.name.partition("[")[0]
                 raise NotInterpretedError(
                     f"not interpreted: {array} has more than {_MOST_ELEMENTS:,} elements",
                     remedy="give its array a length that the shader needs",
                 )
-            if not is_used(paths.get(id_, ()), leaf.path):
+            if not used:
                 continue
             flat = module.decorated(id_, Decoration.Flat) is not None
             type_, uniform = type_name(module, leaf.type), flat or storage != StorageClass.Input

@@ -101,9 +101,9 @@ def test_a_loop_over_all_texels_ends() -> None:
     body = "    ivec2 size = textureSize(image, 0);\n    vec4 sum = vec4(0.0);\n"
     body += "    for (int y = 0; y < size.y; ++y)\n        for (int x = 0; x < size.x; ++x)\n"
     body += "            sum += texelFetch(image, ivec2(x, y), 0);\n    FragColor = sum;"
-    assert audit(body, count=512).clean
-    outside = body.replace("x = 0", "x = -1").replace("y < size.y", "y < 8")
-    assert not audit(outside, count=512).clean
+    assert audit(body, count=64).clean
+    outside = body.replace("x = 0", "x = -1").replace("y < size.y", "y < 2")
+    assert not audit(outside, count=64).clean
 
 
 def test_the_inputs_that_matter_come_first() -> None:
@@ -399,7 +399,7 @@ HUGE = "more than 2,048 elements\n  → give its array a length that the shader 
         ),
         ("uniform B { vec4 v[1 << 30]; }; uniform int n;", "v[n]", f"v has {HUGE}"),
         ("struct S { vec4 a; float b; }; uniform B { S v[1 << 28]; };", "v[7].a", f"v has {HUGE}"),
-        ("uniform B { vec4 v[64][64][64]; }; uniform int n;", "v[n][n][n]", f"v has {HUGE}"),
+        ("uniform B { vec4 v[16][16][16]; }; uniform int n;", "v[n][n][n]", f"v has {HUGE}"),
     ],
 )
 def test_what_is_not_interpreted_names_its_file(
@@ -415,7 +415,7 @@ def test_what_is_not_interpreted_names_its_file(
     assert f"a.frag: not interpreted: {said}" in result.output
 
 
-@pytest.mark.parametrize("words", [("audit",), ("explain",), ("prove",), ("diff", "a.frag")])
+@pytest.mark.parametrize("words", [("audit",), ("diff", "a.frag")])
 def test_what_takes_too_long_says_how_to_allow_more(
     words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import re
-import time
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from shaderlab.model import pictures
-from shaderlab.model.records import ProgramRecord, SourceText
 from tests.unit.test_report_samples import (
     INF,
     NAN,
     Page,
     curve,
-    outcome,
     record,
     run,
-    worst,
     write,
 )
 
@@ -79,25 +73,3 @@ def test_odd_curves_do_no_harm(tmp_path: Path, values: dict[str, object]) -> Non
     page = Page(write(run(record(curves=(curve(**values),))), tmp_path))
     drawn = [str(a["d"]) for tag, a in page.tags if tag == "path" and "d" in a]
     assert not [d for d in drawn if re.search(r"nan|inf|e\+", d)]
-
-
-def test_five_hundred_records_take_less_than_ten_seconds(tmp_path: Path) -> None:
-    tiles = np.random.default_rng(5).random((32, 32, 3))
-    pictures.save_png(tmp_path / "p.png", tiles, min_side=256)
-    records = []
-    for number in range(500):
-        text = "#version 330 core\n" + f"uniform float u{number};\n" * 40
-        source = SourceText(file=f"s{number // 4}.frag", line=1, language="glsl", text=text)
-        program = ProgramRecord(files=(source.file,), sources=(source,), verdicts=())
-        records.append(
-            record(
-                f"c{number // 4}",
-                str(number),
-                programs=(program,),
-                curves=(curve(),),
-                expectations=(outcome(worst=worst(), images={"measured": "p.png"}),) * 3,
-            )
-        )
-    began = time.process_time()  # of this process alone, whatever else the machine does
-    write(run(*records), tmp_path)
-    assert time.process_time() - began < 10
