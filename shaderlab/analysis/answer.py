@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -169,10 +170,8 @@ class Answer:
 
     def lines(self) -> Iterator[str]:
         """The answer in words."""
-        for output in self.outputs:
-            if output.why != "refused":  # a note says why
-                yield str(output)
-        yield from self.notes
+        outputs = (str(one) for one in self.outputs if one.why != "refused")  # a note says why
+        yield from gather_elements([*outputs, *self.notes])
 
     def data(self) -> dict[str, Any]:
         """The answer as JSON."""
@@ -213,6 +212,14 @@ def _data(output: OutputAnswer) -> dict[str, Any]:
 def _numbers(values: tuple[float, ...]) -> list[float | None]:
     """As JSON has them, which has no NaN."""
     return [value if math.isfinite(value) else None for value in values]
+
+
+def gather_elements(lines: Iterable[str]) -> Iterator[str]:
+    """The lines, but one of those that differ in indices alone, without them: "v[]: same"."""
+    found: dict[str, list[str]] = {}
+    for line in lines:
+        found.setdefault(re.sub(r"\[\d+\]", "[]", line), []).append(line)
+    return (own[0] if len(own) == 1 else words for words, own in found.items())
 
 
 def format_inputs(inputs: Mapping[str, tuple[float, ...]], most: int = _SHOWN) -> str:

@@ -139,7 +139,7 @@ def search_inputs(
 
 
 _SHORT = 10_000  # blocks
-_EACH = 8  # values that an input is given instead
+_EACH, _RANKED = 8, 2**23  # values that an input is given instead, and numbers in all
 _MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
 
 
@@ -274,14 +274,15 @@ def _rank(
     names = [name for name in inputs if len(at[0].each.get(name, ())) == at[0].count]
     if len(names) < 2 or program.group > 1:
         return names
-    some = at[0].part(np.full(_EACH * len(names), at[1]))
-    turns = np.arange(_EACH) % others.count
+    numbers = len(names) * sum(at[0].each[name][0].size for name in names)
+    turns = np.arange(min(_EACH, max(_RANKED // numbers, 1))) % others.count
+    some = at[0].part(np.full(len(turns) * len(names), at[1]))
     for k, name in enumerate(names):
-        some.each[name][k * _EACH : (k + 1) * _EACH] = others.each[name][turns]
+        some.each[name][k * len(turns) : (k + 1) * len(turns)] = others.each[name][turns]
     failing = find_failing(program, some, made_up=True).get(place)
     bad = np.zeros(some.count, np.bool_) if failing is None else failing.bad
     bad = bad & np.any(list(find_dependence(program, some, place).values()), axis=0)
-    return [names[k] for k in np.argsort(bad.reshape(-1, _EACH).all(axis=1), kind="stable")]
+    return [names[k] for k in np.argsort(bad.reshape(-1, len(turns)).all(axis=1), kind="stable")]
 
 
 def _alternatives(

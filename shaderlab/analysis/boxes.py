@@ -83,8 +83,9 @@ class Space:
 
     def ranges(self, low: Array, high: Array) -> InputBatch:
         """Boxes (count, columns) as what a run in bands takes."""
+        ends = low + 1j * high
         each = {
-            name: (low + 1j * high)[:, columns].reshape(len(low), *shape)
+            name: ends[:, columns].reshape(len(low), *shape)
             for name, (columns, shape) in self._columns.items()
         }
         return InputBatch(each, self._samples.bindings, len(low))

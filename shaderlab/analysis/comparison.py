@@ -14,6 +14,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -349,17 +350,19 @@ class _Comparison:
 
     def _numerics(self, one: _Set, name: str, other: str) -> Numerics | None:
         """How the accuracy changes, on some of the first inputs."""
-        some = one.batch.part(np.arange(min(one.batch.count, MOST)))
+        rows = np.arange(min(one.batch.count, MOST))
         if not self._in_bands:
+            some = one.batch.part(rows)
             self._in_bands = tuple(bands_of(p, some, unwritten=False) for p in self.programs)
         old, new = self._in_bands
         if old is None or new is None or name not in old or other not in new:
             return None
-        values = one.old.outputs[name][0, : some.count]
+        values = one.old.outputs[name][0, rows]
         found = compare_accuracy((old[name], new[other]), values)
         if found is None:
             return None
         worse, better, row = found
+        some = one.batch.part(rows)
         each = [find_costs(program, some, row) for program in self.programs]
         costs = tuple(max(a - b, default=None) for a, b in itertools.permutations(each))
         near = some.example(row, self.inputs)
@@ -368,7 +371,7 @@ class _Comparison:
     def _add_conditions(self, answer: OutputAnswer, name: str, other: str) -> OutputAnswer:
         """The answer with what it holds under: assumptions about inputs without which the output is
         another one, and inputs that show it."""
-        relaxed = tuple(n for n, domain in self.domains.items() if domain.relaxed is not None)
+        relaxed = self._relaxed
         found = self._find_without(relaxed, name, other) if relaxed else None
         if found is None:
             return answer
@@ -384,6 +387,11 @@ class _Comparison:
             example=one.batch.example(row, self.inputs),
             gives=(_value(one.old, name, row), _value(one.new, other, row)),
         )
+
+    @cached_property
+    def _relaxed(self) -> tuple[str, ...]:
+        """The inputs of which something is assumed."""
+        return tuple(n for n, domain in self.domains.items() if domain.relaxed is not None)
 
     def _find_without(
         self, relaxed: tuple[str, ...], name: str, other: str

@@ -34,6 +34,9 @@ _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
 ALIKE = 0.01
 """Constants that differ by less may be meant to be one."""
 _MOST_ELEMENTS = 2048  # of a variable: each is given its own values
+MOST_NUMBERS = 2**20
+"""What all invocations of a batch are given together: with large arrays there are fewer of them."""
+_FEWEST = 128  # invocations: two rows of quads
 _ENDLESS = 4  # elements of an array whose length is known at run time only
 
 
@@ -49,6 +52,13 @@ class Input:
     uniform: bool
     workgroup: tuple[int, int, int] | None = None
     channels: int = 4
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        sides = re.findall(r"\d", self.type if self.type.startswith(("mat", "dmat")) else "")
+        own = re.search(r"vec(\d)", self.type)
+        return int(own[1]) if own else math.prod(map(int, (sides * 2)[:2]))
 
     @property
     def whole(self) -> bool:
@@ -376,7 +386,8 @@ def sample_inputs(
     whole workgroups of a size. Raises NotInterpretedError: there is a texture of a kind that has no
     formula."""
     group = math.prod(together or (1,))
-    count = max(count // group, 1) * group
+    most = MOST_NUMBERS // (1 + sum(one.size for one in inputs.values())) // _FEWEST * _FEWEST
+    count = max(min(count, max(most, _FEWEST)) // group, 1) * group
     rng = np.random.default_rng([19, seed])
     each: dict[str, Array] = {}
     textures: dict[str, Texels] = {}

@@ -24,13 +24,14 @@ from .batches import InputBatch, run_batch
 from .boxes import ARITHMETIC, BoxWatcher, Space
 from .checks import Place, WatchedInstruction, Watcher
 from .hazards import Claim
-from .inputs import Domains, Inputs
+from .inputs import MOST_NUMBERS, Domains, Inputs
 from .interpreter import Interpreted, Program
 from .interpreter.values import Flags
 from .undefined import NEEDED
 
 BOXES = 200_000  # that are run at most
 _AT_ONCE = 2048
+_MOST_BOXES, _MOST_POINTS = 16, 8  # times as many as have MOST_NUMBERS, in all and of one box
 _POINTS = 16_384  # run in float32 for so many boxes
 _BOXES_A_FAILURE = 8192  # a loop that does not end takes long
 _LONG = 400  # instructions that are run: a box of a longer program counts for several
@@ -86,10 +87,11 @@ class Proof:
         boxes: int = BOXES, max_blocks: int = 2000, drawn: InputBatch | None = None,
     ) -> None:  # fmt: skip
         self.tried = 0
-        self._waiting = boxes  # how many may be run yet
         self.points: dict[Place, Point] = {}
         self._program, self._condition, self._hazards = program, condition, hazards
         self.space = Space(program, inputs, domains, drawn)
+        self._most = MOST_NUMBERS // (1 + len(self.space.low))  # boxes that are run at once
+        self._waiting = min(boxes, _MOST_BOXES * self._most)  # how many may be run yet
         self.reached: set[Place] = set()
         self._settled, self._counts = set[Place](), counts
         self._numbers: dict[Place, int] = {}  # the column of each place in what is open
@@ -105,7 +107,8 @@ class Proof:
     def _search(self) -> None:
         low, high = self.space.low[None], self.space.high[None]
         opened: Flags = np.zeros((1, 0), np.bool_)
-        self._patience, self._at_once = self._waiting // _BOXES_A_FAILURE, _AT_ONCE
+        self._patience = self._waiting // _BOXES_A_FAILURE
+        self._at_once = max(min(_AT_ONCE, self._most // 2), 1)
         while len(low) and self._waiting > 0 and self._patience >= 0:
             now = min(self._at_once, self._waiting)
             some = low[:now], high[:now]
@@ -164,7 +167,8 @@ class Proof:
             self._left.append((low, high, flags))
             return low[:0], high[:0], flags[:0]
         weights = self.space.relative(low, high)
-        few = max(_POINTS // (2 * low.shape[1] + 3) // self.space.rows, 1)
+        points = (2 * low.shape[1] + 3) * self.space.rows  # of a box
+        few = max(_POINTS // points, 1) if points < _MOST_POINTS * self._most else 0
         effects = self._effects(low[:few], high[:few], flags[:few])
         effects[weights[:few] * _NARROWER < weights[:few].max(axis=1, keepdims=True)] = 0.0
         has_effect = effects.max(axis=1, keepdims=True) > 0.0
@@ -186,6 +190,8 @@ class Proof:
         """How much each side of a box changes what is open in it, from the middle to an end. What
         goes wrong at one of these points is refuted."""
         count, sides = low.shape
+        if not count:
+            return low
         middle = np.where(self.space.whole, np.floor((low + high) / 2.0), (low + high) / 2.0)
         points = np.repeat(middle[:, None], 2 * sides + 3, axis=1)
         points[:, -2], points[:, -1] = low, high

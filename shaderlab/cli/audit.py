@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from shaderlab.analysis.answer import gather_elements
 from shaderlab.analysis.hazards import Audit, Plan
 from shaderlab.analysis.requests import AuditCase, AuditFile
 from shaderlab.cli import FAILED, USAGE, options as shared
@@ -90,8 +91,8 @@ def command(
                 click.echo(line, err=to_stderr)
             assumes = len(requests) == 1 and any("assumed" in i for i in audit.inputs.values())
             if show_inputs or prove or audit.clean is False or assumes:
-                for name, role in audit.inputs.items():
-                    click.echo(f"  {name}: {role}", err=to_stderr)
+                for line in gather_elements(f"  {n}: {role}" for n, role in audit.inputs.items()):
+                    click.echo(line, err=to_stderr)
     if json_file is not None:
         shared.write_json([audit.data() for audit in audits], json_file)
     findings = [finding for audit in audits for finding in _make_findings(audit)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from shaderlab.analysis.answer import Answer, Plan
+from shaderlab.analysis.answer import Answer, Plan, gather_elements
 from shaderlab.cli import FAILED, OK, USAGE, options as shared
 from shaderlab.compiler.shader_files import is_library, is_shader
 from shaderlab.compiler.translation import has_no_entry
@@ -189,9 +188,10 @@ def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
         click.echo(f"{answer.old} → {answer.new}", err=err)
     for line in answer.lines():
         click.echo(line, err=err)
-    for name, role in {(re.sub(r"\[\d+\]", "[]", n), r): 0 for n, r in answer.inputs.items()}:
-        if inputs or role.endswith("(assumed)"):  # "same" holds of those alone
-            click.echo(f"  {name}: {role}", err=err)
+    roles = answer.inputs.items()  # "same" holds of those alone that are assumed
+    shown = (f"  {n}: {role}" for n, role in roles if inputs or role.endswith("(assumed)"))
+    for line in gather_elements(shown):
+        click.echo(line, err=err)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step
 
+_MOST_INPUTS = 32  # that are shown; --json has all
 _MOST = 3  # of the steps that lose most, in words
 
 
@@ -117,7 +118,7 @@ def command(arguments: ExplainArguments) -> int:
     if arguments.json_file != "-":
         x, y = explained.pixel
         pixel = "" if arguments.is_shader else f"pixel ({x}, {y}), counted from the lower left, "
-        show(explained, f"{pixel}with {format_inputs(inputs, len(inputs))}")
+        show(explained, f"{pixel}with {format_inputs(inputs, _MOST_INPUTS)}")
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
 
 

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 _BOXES = 1024  # of a test, which is called for each
 _STEPS = 64  # of the range of an argument
+_MOST_INPUTS = 200  # llvmpipe compiles 300 in 10 s, 800 in a minute
 _NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
 
 
@@ -216,6 +217,8 @@ def run_on_driver(
     alone = not asks_for_neighbours(program, Bindings())
     if not outputs or not alone or any(name.startswith("gl_") for name in inputs):
         raise CallError("it depends on more than its inputs")
+    if len(inputs) > _MOST_INPUTS:
+        raise CallError(f"it reads more than {_MOST_INPUTS} numbers, vectors and matrices")
     parameters = ", ".join(f"out {kind} {PREFIX}{name}" for name, kind in outputs.items())
     body = " ".join(f"{PREFIX}{name} = {name};" for name in outputs)
     text = MAIN.sub(f"void {PREFIX}main(", source.text)

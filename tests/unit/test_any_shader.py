@@ -582,3 +582,29 @@ def test_uniforms_of_three_js_are_given_to_functions_that_use_them() -> None:
     lib = glsl.load("vec3 seen(vec3 p) { return (viewMatrix * vec4(p, 1.0)).xyz; }")
     turn = np.diag([1.0, -1.0, 2.0, 1.0])
     assert lib.seen([1.0, 2.0, 3.0], viewMatrix=turn).tolist() == [1.0, -2.0, 6.0]
+
+
+LIGHTS = """#version 330 core
+struct Light { vec3 place, color; float a, b, c; };
+uniform Light lights[40]; uniform vec4 table[400]; uniform int n; in vec3 p; out vec4 color;
+void main() {
+    vec3 sum = table[n % 400].rgb;
+    for (int i = 0; i < n; i++) {
+        float r = length(lights[i].place - p);
+        sum += lights[i].color / (lights[i].a + lights[i].b * r + lights[i].c * r * r);
+    }
+    color = vec4(sum, 1.0);
+}
+"""
+
+
+@pytest.mark.parametrize("words", ["audit", "explain", "prove", "diff"])
+def test_large_arrays_take_little_memory(tmp_path: Path, words: str) -> None:
+    """There are fewer inputs then; and an array is one line."""
+    file = tmp_path / "lights.frag"
+    file.write_text(LIGHTS)
+    files = [str(file)] * (1 + (words == "diff"))
+    limits = ("-j", "1", "--memory", "1")
+    found = CliRunner().invoke(cli, [words, *files, *limits])
+    assert found.exit_code in (0, 1) and "undetermined" not in found.output, found.output
+    assert len(found.output.splitlines()) < 30

@@ -685,4 +685,4 @@ def test_elements_of_an_array_are_listed_once(tmp_path: Path) -> None:
     file.write_text(f"{text} void main() {{ o = w[0] + w[1] + w[2]; }}")
     words = [str(file), str(file), "-j", "0", "--inputs", "--range", "w[1]=2:3"]
     text = CliRunner().invoke(command, words, standalone_mode=False).output
-    assert text.splitlines()[1:] == ["  w[]: 0..1 (assumed)", "  w[]: 2..3 (given)"]
+    assert text.splitlines()[1:] == ["  w[]: 0..1 (assumed)", "  w[1]: 2..3 (given)"]
