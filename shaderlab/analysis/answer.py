@@ -11,6 +11,8 @@ from typing import Any
 from shaderlab.files import display_path
 
 _SHOWN = 6  # inputs of an example
+_FEW = 4  # lines that are not gathered
+_INDEX = re.compile(r"\[\d+\]|_\d+(?=[_:])")  # of an element, and of one that is an argument
 _WHY = {"coverage": ", where only one discards", "definedness": ", where only one is defined"}
 
 
@@ -215,11 +217,12 @@ def _numbers(values: tuple[float, ...]) -> list[float | None]:
 
 
 def gather_elements(lines: Iterable[str]) -> Iterator[str]:
-    """The lines, but one of those that differ in indices alone, without them: "v[]: same"."""
+    """The lines, but one of many that differ in indices alone, without them: "v[]: same"."""
     found: dict[str, list[str]] = {}
     for line in lines:
-        found.setdefault(re.sub(r"\[\d+\]", "[]", line), []).append(line)
-    return (own[0] if len(own) == 1 else words for words, own in found.items())
+        found.setdefault(_INDEX.sub("[]", line), []).append(line)
+    for words, own in found.items():
+        yield from own if len(own) <= _FEW else [words]
 
 
 def format_inputs(inputs: Mapping[str, tuple[float, ...]], most: int = _SHOWN) -> str:

@@ -681,8 +681,9 @@ def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
 
 def test_elements_of_an_array_are_listed_once(tmp_path: Path) -> None:
     file = tmp_path / "sum.frag"
-    text = "#version 330 core\nuniform float w[3]; out float o;"
-    file.write_text(f"{text} void main() {{ o = w[0] + w[1] + w[2]; }}")
+    text = "#version 330 core\nuniform float w[7]; flat in int n; out float o;"
+    file.write_text(f"{text} void main() {{ o = w[n]; }}")
     words = [str(file), str(file), "-j", "0", "--inputs", "--range", "w[1]=2:3"]
     text = CliRunner().invoke(command, words, standalone_mode=False).output
-    assert text.splitlines()[1:] == ["  w[]: 0..1 (assumed)", "  w[1]: 2..3 (given)"]
+    said = ["  w[]: 0..1 (assumed)", "  w[1]: 2..3 (given)", "  n: 0..4 (assumed)"]
+    assert text.splitlines()[1:] == said
