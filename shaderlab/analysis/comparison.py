@@ -64,6 +64,7 @@ _FIXED = {"std140", "std430"}  # the layouts of blocks that don't depend on the 
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _SHORT, _LONG = 300, 3000  # blocks: programs that run more get fewer invocations, and rounds
 _LEAST, _ROUNDS, _FEWEST = 256, 5, 24
+_MOST_VALUES = 2**22  # of all invocations: those of a program are kept until it ends
 _T = TypeVar("_T")
 
 
@@ -240,7 +241,9 @@ class _Comparison:
         """Other inputs; of generated ones fewer where the programs run long, in whole quads."""
         if self.captured:
             return vary_inputs(self.captured[seed % len(self.captured)], domains, seed)
-        count = max(self.plan.count * _SHORT // self._blocks // 128 * 128, _LEAST)
+        values = max(len(program.definitions) for program in self.programs)
+        most = min(self.plan.count * _SHORT // self._blocks, _MOST_VALUES // (1 + values))
+        count = max(most // 128 * 128, _LEAST)
         return sample_inputs(self.inputs, domains, min(count, self.plan.count), seed)
 
     def _split_long(self, batch: InputBatch) -> Iterator[InputBatch]:

@@ -247,6 +247,15 @@ def test_what_runs_long_is_compared_on_fewer_inputs(
         assert compare_programs(program(text % "1.0"), program(text % "2.0"), plan).same is False
 
 
+def test_a_long_program_is_compared_on_fewer_inputs() -> None:
+    """All values of a program are kept until it ends."""
+    lines = "a = a * 0.99 + b.yzx;\n" * 900
+    text = f"in vec3 a0, b; out vec3 o; void main() {{ vec3 a = a0;\n{lines} o = a %s; }}"
+    plan = Plan(accuracy=False, rounds=1)
+    answer = compare_programs(program(text % "+ b"), program(text % "+ 1.0 * b"), plan)
+    assert answer.same is True and answer.outputs[0].judged < 4 * 2048
+
+
 def test_what_lies_between_two_numbers_that_are_nearly_the_same_is_tried() -> None:
     text = "uniform float x; out float o; void main() { o = x < %s ? 1.0 : 0.0; }"
     assert compared(text % "0.0031308", text % "0.00313").same is False
