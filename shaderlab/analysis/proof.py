@@ -90,7 +90,7 @@ class Proof:
         self.points: dict[Place, Point] = {}
         self._program, self._condition, self._hazards = program, condition, hazards
         self.space = Space(program, inputs, domains, drawn)
-        self._most = MOST_NUMBERS // (1 + len(self.space.low))  # boxes that are run at once
+        self._most = max(MOST_NUMBERS // (1 + len(self.space.low)), 1)  # boxes of as many numbers
         self._waiting = min(boxes, _MOST_BOXES * self._most)  # how many may be run yet
         self.reached: set[Place] = set()
         self._settled, self._counts = set[Place](), counts
