@@ -35,7 +35,8 @@ ALIKE = 0.01
 """Constants that differ by less may be meant to be one."""
 _MOST_ELEMENTS = 2048  # of a variable: each is given its own values
 MOST_NUMBERS = 2**20
-"""What all invocations of a batch are given together: with large arrays there are fewer of them."""
+"""How many numbers the invocations of a batch are given in all: where arrays are large, there are
+fewer invocations."""
 _FEWEST = 128  # invocations: two rows of quads
 _ENDLESS = 4  # elements of an array whose length is known at run time only
 
@@ -56,14 +57,19 @@ class Input:
     @property
     def size(self) -> int:
         """How many numbers it has."""
-        sides = re.findall(r"\d", self.type if self.type.startswith(("mat", "dmat")) else "")
-        own = re.search(r"vec(\d)", self.type)
-        return int(own[1]) if own else math.prod(map(int, (sides * 2)[:2]))
+        return math.prod(_sides(self.type))
 
     @property
     def whole(self) -> bool:
         """Whether its numbers are integers."""
         return self.type.startswith(("int", "ivec", "uint", "uvec"))
+
+
+def _sides(type_: str) -> tuple[int, ...]:
+    """The columns and rows of a matrix, the components of a vector, 1 of anything else."""
+    if type_.startswith("mat"):
+        return tuple(map(int, (type_[3:].split("x") * 2)[:2]))
+    return (int(type_[-1]) if type_[-1].isdigit() else 1,)
 
 
 Inputs = Mapping[str, Input]
@@ -422,7 +428,7 @@ def sample_inputs(
 
 
 def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
-    size = int(type_[-1]) if type_[-1].isdigit() else 1
+    (size,) = _sides(type_)
     if domain.kind == "unit":
         v = rng.normal(size=(count, size))
         few = rng.random(count) < _CORNERS  # along an axis
@@ -540,7 +546,7 @@ def _coarsen(texels: Array, made_up: bool) -> Array:
 
 def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
     """Matrices as the interpreter has them, (count, rows, columns)."""
-    columns, rows = (int(d) for d in (type_[3:].split("x") * 2)[:2])
+    columns, rows = _sides(type_)
     if domain.kind == "number" or columns != rows:
         return rng.uniform(domain.low, domain.high, (count, rows, columns)).astype(np.float32)
     size = columns

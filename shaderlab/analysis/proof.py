@@ -31,7 +31,8 @@ from .undefined import NEEDED
 
 BOXES = 200_000  # that are run at most
 _AT_ONCE = 2048
-_MOST_BOXES, _MOST_POINTS = 16, 8  # times as many as have MOST_NUMBERS, in all and of one box
+_MOST_BATCHES = 16  # of MOST_NUMBERS each, that the boxes of a search may fill
+_MOST_OF_A_BOX = 8  # such batches that the points of one box may fill
 _POINTS = 16_384  # run in float32 for so many boxes
 _BOXES_A_FAILURE = 8192  # a loop that does not end takes long
 _LONG = 400  # instructions that are run: a box of a longer program counts for several
@@ -90,8 +91,8 @@ class Proof:
         self.points: dict[Place, Point] = {}
         self._program, self._condition, self._hazards = program, condition, hazards
         self.space = Space(program, inputs, domains, drawn)
-        self._most = max(MOST_NUMBERS // (1 + len(self.space.low)), 1)  # boxes of as many numbers
-        self._waiting = min(boxes, _MOST_BOXES * self._most)  # how many may be run yet
+        self._batch = max(MOST_NUMBERS // (1 + len(self.space.low)), 1)  # boxes of MOST_NUMBERS
+        self._waiting = min(boxes, _MOST_BATCHES * self._batch)  # how many may be run yet
         self.reached: set[Place] = set()
         self._settled, self._counts = set[Place](), counts
         self._numbers: dict[Place, int] = {}  # the column of each place in what is open
@@ -108,7 +109,7 @@ class Proof:
         low, high = self.space.low[None], self.space.high[None]
         opened: Flags = np.zeros((1, 0), np.bool_)
         self._patience = self._waiting // _BOXES_A_FAILURE
-        self._at_once = max(min(_AT_ONCE, self._most // 2), 1)
+        self._at_once = max(min(_AT_ONCE, self._batch // 2), 1)
         while len(low) and self._waiting > 0 and self._patience >= 0:
             now = min(self._at_once, self._waiting)
             some = low[:now], high[:now]
@@ -168,7 +169,7 @@ class Proof:
             return low[:0], high[:0], flags[:0]
         weights = self.space.relative(low, high)
         points = (2 * low.shape[1] + 3) * self.space.rows  # of a box
-        few = max(_POINTS // points, 1) if points < _MOST_POINTS * self._most else 0
+        few = max(_POINTS // points, 1) if points < _MOST_OF_A_BOX * self._batch else 0
         effects = self._effects(low[:few], high[:few], flags[:few])
         effects[weights[:few] * _NARROWER < weights[:few].max(axis=1, keepdims=True)] = 0.0
         has_effect = effects.max(axis=1, keepdims=True) > 0.0

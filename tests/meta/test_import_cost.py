@@ -74,8 +74,8 @@ def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
 @pytest.mark.parametrize(
     ("words", "ending"),
     [
-        (["audit"], ".glsl"), (["audit", "--precision"], ".frag"), (["diff"], ".glsl"),
-        (["explain"], ".frag"),
+        (["audit"], ".frag"), (["audit"], ".glsl"), (["audit", "--precision"], ".frag"),
+        (["diff"], ".frag"), (["diff"], ".glsl"), (["explain"], ".frag"),
     ],
 )  # fmt: skip
 def test_a_command_about_shader_files_leaves_what_is_large_to_its_worker(

@@ -607,4 +607,15 @@ def test_large_arrays_take_little_memory(tmp_path: Path, words: str) -> None:
     limits = ("-j", "1", "--memory", "1")
     found = CliRunner().invoke(cli, [words, *files, *limits])
     assert found.exit_code in (0, 1) and "undetermined" not in found.output, found.output
-    assert len(found.output.splitlines()) < 30
+    lines = found.output.splitlines()
+    assert len(lines) < 30 and max(map(len, lines)) < 2500
+
+
+def test_a_counterexample_of_many_inputs_is_not_run_on_the_driver(tmp_path: Path) -> None:
+    """Which would compile for a minute."""
+    file = tmp_path / "many.frag"
+    text = "#version 330 core\nuniform vec4 v[%d]; flat in int n; out vec4 o;\n"
+    text += "void main() { o = v[n] / v[n + 1].x; }\n"
+    for length, said in ((20, "on the driver o = "), (250, "reads more than 200")):
+        file.write_text(text % length)
+        assert said in call("prove", file)[1]

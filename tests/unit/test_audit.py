@@ -415,7 +415,7 @@ def test_what_is_not_interpreted_names_its_file(
     assert f"a.frag: not interpreted: {said}" in result.output
 
 
-@pytest.mark.parametrize("words", [("audit",), ("diff", "a.frag")])
+@pytest.mark.parametrize("words", [("audit",), ("explain",), ("prove",), ("diff", "a.frag")])
 def test_what_takes_too_long_says_how_to_allow_more(
     words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,7 +10,7 @@ from shaderlab.compiler.harness import WORK
 from shaderlab.workers.pool import WorkerPool
 from tests.compiling import compile_glsl
 
-COUNT = 160
+COUNT = 300
 
 
 def test_every_source_of_a_storm_gets_verdicts(tmp_path: Path, repository: Path) -> None:
